@@ -1,0 +1,1 @@
+#include <selkie/base/exceptions.h>

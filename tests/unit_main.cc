@@ -1,0 +1,19 @@
+// One GoogleTest program for all unit tests, under MPI: only rank 0 prints,
+// and a failure on any rank fails the run.
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+int
+main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  ::testing::InitGoogleTest(&argc, argv);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
+    {
+      auto &listeners = ::testing::UnitTest::GetInstance()->listeners();
+      delete listeners.Release(listeners.default_result_printer());
+    }
+  const int failed = RUN_ALL_TESTS();
+  return dealii::Utilities::MPI::max(failed, MPI_COMM_WORLD);
+}
