@@ -1,0 +1,265 @@
+#include <selkie/shape/lme_tensor_product.h>
+#include <selkie/shape/simd.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace selkie
+{
+  using dealii::Point;
+  using dealii::Tensor;
+
+  namespace
+  {
+    using V    = simd::Native;
+    using Dims = simd::Four; // the lanes are the space directions
+    constexpr auto         anywhere   = simd::stdx::element_aligned;
+    constexpr unsigned int lanes      = V::size();
+    constexpr unsigned int max_line   = 32;
+    constexpr double       max_gamma  = 500.; // gamma (n-1)^2
+    constexpr unsigned int max_steps  = 12;
+    constexpr double       small_step = 0.01; // exponents: vexp_small suffices
+    constexpr double       accurate_step = 1e-9; // nothing left to gain
+    constexpr double       wall_second   = 1e-4; // second moment near a wall
+
+    /// The one-dimensional functions along the lines of a box, node by node.
+    struct Lines
+    {
+      alignas(64) double N[3][max_line + lme_padding];
+      alignas(64) double grad[3][max_line + lme_padding];
+    };
+
+    /**
+     * All directions at once, in units of h: t is the distance from the first
+     * node, nu = lambda h, and the exponent of node i is
+     * -gamma (t-i)^2 + nu (t-i) - shift.
+     */
+    struct LineKernel
+    {
+      Dims         t, nu, gamma, decay, nearest, last;
+      unsigned int n_nodes; // of the longest line
+
+      Dims first, ratio; // weight of node 0; weight 1 / weight 0
+      Dims Z = 0., r = 0., H = 0.;
+
+      /// Weights by exp, relative to that of the nearest node.
+      void
+      evaluate()
+      {
+        const Dims u     = t - nearest;
+        const Dims shift = u * (nu - gamma * u);
+        first            = simd::vexp(t * (nu - gamma * t) - shift);
+        ratio            = simd::vexp(gamma * (t + t - Dims(1.)) - nu);
+        accumulate();
+      }
+
+      /// The same after a small step of nu, without exp.
+      void
+      advance(const Dims &step)
+      {
+        nu += step;
+        first *= simd::vexp_small(step * t);
+        ratio *= simd::vexp_small(-step);
+        accumulate();
+      }
+
+      /// The sums (L11).
+      void
+      accumulate()
+      {
+        Z = r = H = Dims(0.);
+        for_each_node([&](unsigned int, const Dims &w, const Dims &u) {
+          Z += w;
+          r += w * u;
+          H += w * u * u;
+        });
+        r /= Z;
+        H = H / Z - r * r;
+      }
+
+      /// Call f(i, weight, t - i) for the nodes, by the recurrence (L12).
+      template <class Function>
+      void
+      for_each_node(const Function &f) const
+      {
+        Dims w = first, rho = ratio, u = t;
+        for (unsigned int i = 0; i < n_nodes; ++i)
+          {
+            where(Dims(double(i)) > last, w) = 0.; // shorter lines
+            f(i, w, u);
+            w *= rho;
+            rho *= decay;
+            u -= Dims(1.);
+          }
+      }
+    };
+
+    /// Newton's iteration in all directions; the number of steps, or 0 if it
+    /// does not converge quickly or a wall is near.
+    unsigned int
+    newton(LineKernel &lines, const double tolerance)
+    {
+      using simd::stdx::abs;
+      lines.evaluate();
+      for (unsigned int i = 1; i <= max_steps; ++i)
+        {
+          if (!all_of(lines.H > Dims(wall_second)))
+            return 0;
+          const Dims step = -lines.r / lines.H;
+          if (all_of(abs(lines.r) < Dims(tolerance)) &&
+              all_of(abs(step) < Dims(accurate_step)))
+            return i;
+          if (all_of(abs(step) * Dims(double(lines.n_nodes)) <
+                     Dims(small_step)))
+            lines.advance(step);
+          else
+            {
+              lines.nu +=
+                simd::stdx::min(Dims(4.), simd::stdx::max(Dims(-4.), step));
+              lines.evaluate();
+            }
+        }
+      return 0;
+    }
+
+    /// The kernel for the point; unused lanes get two nodes and a point
+    /// halfway.
+    template <int dim>
+    LineKernel
+    make_kernel(const LmeNodes<dim>  &nodes,
+                const Point<dim>     &x,
+                const Tensor<1, dim> &lambda)
+    {
+      alignas(32) double t[4] = {.5, .5, .5, .5}, last[4] = {1., 1., 1., 1.},
+                         nearest[4] = {}, nu[4] = {};
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          t[d]       = (x[d] - nodes.box_origin[d]) / nodes.h;
+          last[d]    = nodes.box_size[d] - 1.;
+          nearest[d] = std::min(std::max(std::floor(t[d] + .5), 0.), last[d]);
+          nu[d]      = lambda[d] * nodes.h;
+        }
+      LineKernel lines;
+      lines.t.copy_from(t, anywhere);
+      lines.last.copy_from(last, anywhere);
+      lines.nearest.copy_from(nearest, anywhere);
+      lines.nu.copy_from(nu, anywhere);
+      lines.gamma = nodes.beta[0] * nodes.h * nodes.h;
+      lines.decay = nodes.box_decay;
+      lines.n_nodes =
+        *std::max_element(nodes.box_size.begin(), nodes.box_size.end());
+      return lines;
+    }
+
+    /// One-dimensional functions and gradients (L6) from the converged weights.
+    template <int dim>
+    void
+    fill(const LineKernel &lines, const double h, Lines &result)
+    {
+      const Dims factor = Dims(1.) / lines.Z, slope = Dims(-1. / h) / lines.H;
+      lines.for_each_node([&](const unsigned int i, const Dims &w, Dims u) {
+        const Dims N = w * factor, grad = N * u * slope;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            result.N[d][i]    = N[d];
+            result.grad[d][i] = grad[d];
+          }
+      });
+    }
+
+    /// to[i] = factor * line[i], 0 <= i < n, and nothing beyond.
+    inline void
+    store_row(const double       factor,
+              const double      *line,
+              const unsigned int n,
+              double            *to)
+    {
+      const V numbers = simd::lane_numbers<V>();
+      for (unsigned int i = 0; i < n; i += lanes)
+        {
+          const V row = V(factor) * V(line + i, anywhere);
+          where(numbers < V(double(n) - i), row).copy_to(to + i, anywhere);
+        }
+    }
+
+    /// The products (L10), row after row in x direction.
+    template <int dim>
+    void
+    store_products(const LmeNodes<dim> &nodes,
+                   const Lines         &lines,
+                   double              *N,
+                   double              *grad)
+    {
+      const auto        &size     = nodes.box_size;
+      const unsigned int n_planes = (dim == 3 ? size[dim - 1] : 1);
+      double *grad_y = grad + nodes.n_padded, *grad_z = grad_y + nodes.n_padded;
+      for (unsigned int k = 0, row = 0; k < n_planes; ++k)
+        {
+          const double N_z = (dim == 3 ? lines.N[2][k] : 1.);
+          for (unsigned int j = 0; j < size[1]; ++j, row += size[0])
+            {
+              const double N_yz = lines.N[1][j] * N_z;
+              store_row(N_yz, lines.N[0], size[0], N + row);
+              if (grad == nullptr)
+                continue;
+              store_row(N_yz, lines.grad[0], size[0], grad + row);
+              store_row(lines.grad[1][j] * N_z,
+                        lines.N[0],
+                        size[0],
+                        grad_y + row);
+              if (dim == 3)
+                store_row(lines.N[1][j] * lines.grad[2][k],
+                          lines.N[0],
+                          size[0],
+                          grad_z + row);
+            }
+        }
+      for (unsigned int a = nodes.n; a < nodes.n_padded; ++a)
+        {
+          N[a] = 0.;
+          for (unsigned int d = 0; d < dim && grad != nullptr; ++d)
+            grad[d * nodes.n_padded + a] = 0.;
+        }
+    }
+  } // namespace
+
+
+  template <int dim>
+  unsigned int
+  lme_tensor_product(const LmeNodes<dim> &nodes,
+                     const Point<dim>    &x,
+                     Tensor<1, dim>      &lambda,
+                     double              *N,
+                     double              *grad,
+                     const LmeSettings   &settings)
+  {
+    LineKernel   lines = make_kernel(nodes, x, lambda);
+    const double n     = lines.n_nodes;
+    const double gamma = nodes.beta[0] * nodes.h * nodes.h;
+    if (n > max_line || gamma * (n - 1.) * (n - 1.) > max_gamma)
+      return 0;
+    // The lengths of r along the directions add up: share the tolerance.
+    const unsigned int n_steps =
+      newton(lines, settings.tolerance / std::sqrt(double(dim)));
+    if (n_steps == 0)
+      return 0;
+
+    Lines result;
+    fill<dim>(lines, nodes.h, result);
+    store_products(nodes, result, N, grad);
+    for (unsigned int d = 0; d < dim; ++d)
+      lambda[d] = lines.nu[d] / nodes.h;
+    return n_steps;
+  }
+
+#define SELKIE_INSTANTIATE(dim)                                   \
+  template unsigned int lme_tensor_product(const LmeNodes<dim> &, \
+                                           const Point<dim> &,    \
+                                           Tensor<1, dim> &,      \
+                                           double *,              \
+                                           double *,              \
+                                           const LmeSettings &)
+  SELKIE_INSTANTIATE(2);
+  SELKIE_INSTANTIATE(3);
+#undef SELKIE_INSTANTIATE
+} // namespace selkie
