@@ -1,0 +1,22 @@
+#pragma once
+
+#include <selkie/scene/scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <deal.II/distributed/tria.h>
+
+#include <memory>
+
+namespace selkie
+{
+  /**
+   * The scene's background mesh: a box of hypercubes on p4est, refined where
+   * the scene asks for it, with 2:1 balance. Boundary id = index of the wall
+   * (x-, x+, y-, …). Particle counts are the weights of the partition: the
+   * signal is connected by ParticleSet.
+   */
+  template <int dim>
+  std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
+  make_background_mesh(const Domain<dim> &domain, const MPI_Comm comm);
+} // namespace selkie

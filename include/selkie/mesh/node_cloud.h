@@ -1,0 +1,92 @@
+#pragma once
+
+#include <deal.II/base/bounding_box.h>
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/partitioner.h>
+#include <deal.II/base/point.h>
+
+#include <deal.II/distributed/tria.h>
+
+#include <deal.II/dofs/dof_handler.h>
+
+#include <deal.II/fe/fe_q.h>
+
+#include <memory>
+#include <vector>
+
+namespace selkie
+{
+  /**
+   * The nodes of the background mesh that this rank owns or can reach by LME.
+   *
+   * A node is a vertex of the triangulation, hanging ones included (LME needs
+   * no hanging-node constraints). Nodes are numbered globally by a
+   * DoFHandler of FE_Q(1); locally, the owned nodes come first, in the order
+   * of their global numbers, then the halo, in that order too: the numbering
+   * of partitioner(). The halo holds every node that lies within its own reach
+   * R_a = h_a sqrt(-ln(tolerance)/gamma) of a cell that this rank owns; it is
+   * wider than p4est's one ghost layer. It depends on mesh and partition only,
+   * so it is built once per mesh.
+   *
+   * h_a is the smallest extent of the cells around the node.
+   */
+  template <int dim>
+  class NodeCloud
+  {
+  public:
+    using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
+
+    NodeCloud(
+      const dealii::parallel::distributed::Triangulation<dim> &triangulation,
+      const double                                             lme_gamma,
+      const double                                             tolerance);
+
+    /// Owned nodes; the local indices [0, n_owned()).
+    unsigned int
+    n_owned() const;
+
+    /// Owned and halo nodes; the local indices [0, size()).
+    unsigned int
+    size() const;
+
+    const dealii::Point<dim> &
+    position(const unsigned int node) const;
+
+    /// h_a (m).
+    double
+    spacing(const unsigned int node) const;
+
+    /// beta_a = gamma / h_a^2 (1/m^2).
+    double
+    beta(const unsigned int node) const;
+
+    dealii::types::global_dof_index
+    global_index(const unsigned int node) const;
+
+    /// Number of nodes of the whole mesh.
+    dealii::types::global_dof_index
+    n_global() const;
+
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
+    partitioner() const;
+
+    /// The numbering of the nodes, for output of nodal fields.
+    const dealii::DoFHandler<dim> &
+    dof_handler() const;
+
+    /// The 2^dim corners of a locally owned cell, as local indices, in
+    /// deal.II's vertex order.
+    std::array<unsigned int, (1u << dim)>
+    corners(const Cell &cell) const;
+
+    /// All nodes whose reach touches the box of a locally owned cell, as local
+    /// indices, sorted by global index (the same list on any partition).
+    /// Found once per cell and kept.
+    const std::vector<unsigned int> &
+    nodes_near(const Cell &cell) const;
+
+    /// Smallest h of the whole mesh (m).
+    double
+    smallest_spacing() const;
+  };
+} // namespace selkie

@@ -1,0 +1,253 @@
+#pragma once
+
+#include <selkie/base/expression.h>
+#include <selkie/laws/law.h>
+#include <selkie/scene/shapes.h>
+
+#include <deal.II/base/point.h>
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+/**
+ * @file
+ * The scene: plain data, complete and checked. After reading nothing sees
+ * ParameterHandler, and nothing changes a scene: the program passes it on as
+ * `const Scene<dim> &`. All quantities are in SI units. An effect that the
+ * scene does not list is an empty std::optional or an empty list.
+ */
+namespace selkie
+{
+  enum class Approximation
+  {
+    lme_mpm
+  };
+
+  /// What the nodes of a wall, a node set or an obstacle do.
+  enum class NodeCondition
+  {
+    free,      ///< nothing prescribed
+    fixed,     ///< all displacement components are zero
+    slip,      ///< walls only: the normal component is zero
+    prescribed ///< the components of a given velocity that are not `free`
+  };
+
+  /// One wall of the domain box, in deal.II's boundary order (x-, x+, y-, …).
+  template <int dim>
+  struct Wall
+  {
+    NodeCondition                          condition = NodeCondition::slip;
+    std::shared_ptr<VectorExpression<dim>> velocity; ///< m/s, if prescribed
+  };
+
+  /// The box in which everything happens, and its background mesh.
+  template <int dim>
+  struct Domain
+  {
+    dealii::Point<dim>            lower, upper; ///< m
+    std::array<unsigned int, dim> cells;        ///< coarsest active cells
+    std::array<Wall<dim>, 2 * dim> walls;
+    /// Cells that touch the shape are refined this many times more.
+    struct Refinement
+    {
+      std::shared_ptr<const Shape<dim>> shape;
+      unsigned int                      levels = 1;
+    };
+    std::vector<Refinement> refinements;
+  };
+
+  /// Nodes inside a shape in the initial configuration of the *mesh* (nodes
+  /// do not move): a clamp, a piston, a rigid obstacle.
+  template <int dim>
+  struct NodeSet
+  {
+    std::string                            name;
+    std::shared_ptr<const Shape<dim>>      shape;
+    NodeCondition                          condition = NodeCondition::fixed;
+    std::array<bool, dim>                  components; ///< which are held
+    std::shared_ptr<VectorExpression<dim>> velocity;   ///< m/s, if prescribed
+  };
+
+  /// A named region of one material.
+  template <int dim>
+  struct Body
+  {
+    std::string                            name;
+    std::shared_ptr<const Law>             law;
+    std::shared_ptr<const Shape<dim>>      shape;
+    unsigned int                           points_per_direction = 2; ///< per cell
+    double                                 jitter = 0; ///< of the point spacing
+    std::shared_ptr<VectorExpression<dim>> initial_velocity; ///< may be null
+    bool                                   hydrostatic_start = false;
+    /// Which points share nodes: all fluids are phase 0, each solid body is a
+    /// phase of its own (1, 2, …).
+    unsigned int phase = 0;
+  };
+
+  struct LmeParameters
+  {
+    double gamma             = 3.;   ///< locality, beta_a = gamma / h_a^2
+    double support_tolerance = 1e-6; ///< weights below it are cut
+    double newton_tolerance  = 1e-12; ///< |r| / h
+  };
+
+  enum class MassKind
+  {
+    lumped,
+    consistent
+  };
+
+  /// The effect `inertia`: mass matrix, velocity, acceleration, Newmark.
+  struct Inertia
+  {
+    MassKind mass          = MassKind::lumped;
+    double   newmark_beta  = 0.25;
+    double   newmark_gamma = 0.5;
+  };
+
+  /// How velocities travel between points and nodes.
+  enum class TransferScheme
+  {
+    flip, ///< points add the nodes' increments
+    tpic  ///< Taylor PIC: points carry their velocity gradient
+  };
+
+  struct Transfer
+  {
+    TransferScheme scheme        = TransferScheme::flip;
+    double         flip_fraction = 1.; ///< rest is PIC
+  };
+
+  /// The effect `pressure stabilisation` and the fluid's volume rules; present
+  /// exactly when the scene has a fluid (formulation.md 4, quadrature.md).
+  struct FluidPressure
+  {
+    double ppp_alpha        = 0.25; ///< polynomial pressure projection
+    double volume_kappa     = 0.02; ///< volume drift correction per step
+    double volume_deadband  = 0.1;
+    bool   gauss_full_cells = true; ///< integrate full cells at Gauss points
+  };
+
+  /// The effect `traction`: dead load on one face of a box-shaped body.
+  template <int dim>
+  struct Traction
+  {
+    unsigned int                           body = 0;
+    unsigned int                           face = 0; ///< x-, x+, y-, …
+    std::shared_ptr<VectorExpression<dim>> value;    ///< Pa, of X, x, t
+  };
+
+  struct TimeParameters
+  {
+    double       end_time       = 1.;   ///< s
+    double       step           = 1e-3; ///< s
+    double       smallest_step  = 0.;   ///< s; 0: step / 1024
+    unsigned int easy_steps     = 5;    ///< good steps before a cut step grows
+    double       max_move       = 0.5;  ///< cells a point may move in a step
+  };
+
+  struct NewtonParameters
+  {
+    double       tolerance      = 1e-9;
+    unsigned int max_iterations = 25;
+    bool         line_search    = true;
+  };
+
+  enum class SolverKind
+  {
+    automatic,
+    cg_jacobi,
+    cg_ml,
+    gmres_block,
+    minres_jacobi,
+    direct
+  };
+
+  struct LinearSolverParameters
+  {
+    SolverKind   kind           = SolverKind::automatic;
+    double       tolerance      = 1e-8; ///< relative, true residual
+    unsigned int max_iterations = 500;
+    unsigned int direct_below   = 2000; ///< unknowns, for `automatic`
+  };
+
+  /// What is done with a point that leaves the domain.
+  enum class LeavingPolicy
+  {
+    stop,
+    keep,
+    remove
+  };
+
+  /// One curve in probes/NAME.csv.
+  template <int dim>
+  struct Probe
+  {
+    enum class Kind
+    {
+      point,     ///< mean of the points that were within `radius` of `position`
+      region,    ///< mean of the points that were inside `shape` at the start
+      wall_force,///< reaction on wall `wall`, N (N/m in 2D)
+      front,     ///< largest coordinate `axis` reached by body `body`, m
+      extent     ///< min, max of body's coordinates and its volume, centroid
+    };
+    std::string                       name;
+    Kind                              kind = Kind::point;
+    dealii::Point<dim>                position;
+    double                            radius = 0;
+    std::shared_ptr<const Shape<dim>> shape;
+    unsigned int                      wall = 0;
+    unsigned int                      body = 0;
+    unsigned int                      axis = 0;
+  };
+
+  struct OutputParameters
+  {
+    std::string  directory;           ///< set by --output or the scene
+    double       interval     = 0.02; ///< s between VTU files; 0: none
+    bool         mesh         = true; ///< mesh.pvd with nodal fields
+    double       probe_interval = 0.; ///< s; 0: every step
+  };
+
+  template <int dim>
+  struct Scene
+  {
+    std::string   file;  ///< the .prm that it was read from
+    std::string   title;
+    Approximation approximation = Approximation::lme_mpm;
+    Domain<dim>   domain;
+
+    std::vector<Body<dim>>    bodies;
+    std::vector<NodeSet<dim>> node_sets;
+
+    LmeParameters          lme;
+    Transfer               transfer;
+    TimeParameters         time;
+    NewtonParameters       newton;
+    LinearSolverParameters linear_solver;
+    OutputParameters       output;
+    LeavingPolicy          leaving = LeavingPolicy::stop;
+
+    // Effects: absent unless the scene lists them.
+    std::optional<Inertia>                 inertia;
+    std::optional<dealii::Tensor<1, dim>>  gravity; ///< m/s^2
+    std::shared_ptr<VectorExpression<dim>> body_force; ///< m/s^2, of X, x, t
+    bool                                   viscosity = false;
+    std::optional<FluidPressure>           fluid_pressure;
+    std::vector<Traction<dim>>             tractions;
+    std::vector<Probe<dim>>                probes;
+
+    /// The names of the active effects, in the scene's words.
+    std::vector<std::string> effects;
+
+    bool
+    has_fluid() const
+    {
+      return fluid_pressure.has_value();
+    }
+  };
+} // namespace selkie
