@@ -28,7 +28,7 @@ namespace selkie
         needs.kinematics |= n.kinematics;
         needs.velocity_gradient |= n.velocity_gradient;
         needs.acceleration |= n.acceleration;
-        needs.position |= n.position;
+        needs.increment |= n.increment;
       }
   }
 
@@ -99,6 +99,7 @@ namespace selkie
     state.forms.assign(patch.n_points, PointForm<dim>());
     state.kinematics.resize(patch.n_points);
     state.acceleration.resize(needs.acceleration ? patch.n_points : 0);
+    state.increment.resize(needs.increment ? patch.n_points : 0);
     for (unsigned int q = 0; q < patch.n_points; ++q)
       {
         const double *N = table.N(patch, q);
@@ -107,6 +108,10 @@ namespace selkie
           for (unsigned int d = 0; d < dim; ++d)
             state.acceleration[q][d] =
               dense.value(dense.acceleration.data() + d * dense.n_padded, N);
+        if (needs.increment && patch.matter)
+          for (unsigned int d = 0; d < dim; ++d)
+            state.increment[q][d] =
+              dense.value(dense.du.data() + d * dense.n_padded, N);
         if (!patch.integration)
           continue;
 
@@ -216,21 +221,27 @@ namespace selkie
   }
 
   template <int dim>
-  double
-  Assembler<dim>::dissipation(const SupportTable<dim> &table,
-                              const StepTime          &time,
-                              StepFields              &fields)
+  typename Assembler<dim>::Powers
+  Assembler<dim>::powers(const SupportTable<dim> &table,
+                         const StepTime          &time,
+                         StepFields              &fields)
   {
-    if (!needs.velocity_gradient)
-      return 0.;
+    Powers sum;
+    if (!needs.velocity_gradient && !needs.increment)
+      return sum;
     compute_nodal_kinematics(time.newmark, fields);
-    double power = 0.;
     for (const auto &patch : table.patches)
-      if (patch.integration && prepare(table, patch, time, fields))
+      if (prepare(table, patch, time, fields))
         for (const auto &term : terms)
           if (term->acts_on(patch))
-            power += term->dissipation(state);
-    return Utilities::MPI::sum(power, fields.x.get_mpi_communicator());
+            {
+              sum.dissipation += term->dissipation(state);
+              sum.external_work += term->external_work(state);
+            }
+    const MPI_Comm comm = fields.x.get_mpi_communicator();
+    sum.dissipation     = Utilities::MPI::sum(sum.dissipation, comm);
+    sum.external_work   = Utilities::MPI::sum(sum.external_work, comm);
+    return sum;
   }
 
   template <int dim>

@@ -56,8 +56,10 @@ namespace selkie
 
     // First global numbers, on the owners; then on the halo.
     const types::global_dof_index n_mine = n_u + n_p;
-    const auto [first, n_all] =
-      Utilities::MPI::partial_and_total_sum(n_mine, comm);
+    const IndexSet                own =
+      Utilities::MPI::create_ascending_partitioning(
+        comm, n_mine)[Utilities::MPI::this_mpi_process(comm)];
+    const types::global_dof_index first = n_mine > 0 ? own.nth_index_in_set(0) : 0;
     n_p_global = Utilities::MPI::sum(types::global_dof_index(n_p), comm);
     Vector u_first(cloud.partitioner()), p_first(cloud.partitioner());
     u_first = p_first = -1.;
@@ -81,8 +83,7 @@ namespace selkie
             ghosts.push_back(p_first.local_element(node));
         }
     std::sort(ghosts.begin(), ghosts.end());
-    IndexSet own(n_all), wide(n_all);
-    own.add_range(first, first + n_mine);
+    IndexSet wide(own.size());
     wide.add_indices(ghosts.begin(), ghosts.end());
     partition =
       std::make_shared<Utilities::MPI::Partitioner>(own, wide, comm);
@@ -112,7 +113,7 @@ namespace selkie
   {
     std::size_t hash = partition->size();
     for (const auto &patch : table.patches)
-      if (patch.first_node != invalid_index)
+      if (patch.matter)
         {
           boost::hash_combine(hash, patch.n_nodes);
           for (unsigned int a = 0; a < patch.n_nodes; ++a)
@@ -147,7 +148,7 @@ namespace selkie
         }
     };
     for (const auto &patch : table.patches)
-      for (unsigned int a = 0; a < patch.n_nodes; ++a)
+      for (unsigned int a = 0; patch.matter && a < patch.n_nodes; ++a)
         {
           const unsigned int *list = table.nodes.data() + patch.first_node;
           add(rows[list[a]].nodes, list, patch.n_nodes);

@@ -25,7 +25,9 @@ namespace selkie
       TermNeeds
       needs() const override
       {
-        return TermNeeds();
+        TermNeeds needs;
+        needs.increment = true;
+        return needs;
       }
 
       bool
@@ -38,14 +40,26 @@ namespace selkie
       add(PatchState<dim> &state, const bool) const override
       {
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          {
-            const StepPoint<dim> &point = state.point(q);
-            state.forms[q].source -=
-              point.mass * force->value(point.x, state.time->t(), point.X);
-          }
+          state.forms[q].source -= load(state, q);
+      }
+
+      double
+      external_work(const PatchState<dim> &state) const override
+      {
+        double work = 0.;
+        for (unsigned int q = 0; q < state.patch->n_points; ++q)
+          work += load(state, q) * state.increment[q];
+        return work;
       }
 
     private:
+      Tensor<1, dim>
+      load(const PatchState<dim> &state, const unsigned int q) const
+      {
+        const StepPoint<dim> &point = state.point(q);
+        return point.mass * force->value(point.x, state.time->t(), point.X);
+      }
+
       const std::shared_ptr<VectorExpression<dim>> force;
     };
   } // namespace

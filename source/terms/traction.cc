@@ -25,7 +25,9 @@ namespace selkie
       TermNeeds
       needs() const override
       {
-        return TermNeeds();
+        TermNeeds needs;
+        needs.increment = true;
+        return needs;
       }
 
       bool
@@ -38,17 +40,32 @@ namespace selkie
       add(PatchState<dim> &state, const bool) const override
       {
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          {
-            const StepPoint<dim> &point = state.point(q);
-            for (unsigned int i = 0; i < tractions.size(); ++i)
-              if (point.traction_area != 0. && tractions[i].body == point.body)
-                state.forms[q].source -=
-                  point.traction_area *
-                  tractions[i].value->value(point.x, state.time->t(), point.X);
-          }
+          state.forms[q].source -= load(state, q);
+      }
+
+      double
+      external_work(const PatchState<dim> &state) const override
+      {
+        double work = 0.;
+        for (unsigned int q = 0; q < state.patch->n_points; ++q)
+          work += load(state, q) * state.increment[q];
+        return work;
       }
 
     private:
+      Tensor<1, dim>
+      load(const PatchState<dim> &state, const unsigned int q) const
+      {
+        const StepPoint<dim> &point = state.point(q);
+        Tensor<1, dim>        sum;
+        if (point.traction_area != 0.)
+          for (const auto &traction : tractions)
+            if (traction.body == point.body)
+              sum += point.traction_area *
+                     traction.value->value(point.x, state.time->t(), point.X);
+        return sum;
+      }
+
       const std::vector<Traction<dim>> tractions;
     };
   } // namespace

@@ -126,6 +126,43 @@ namespace selkie
     return report;
   }
 
+  template <int dim>
+  void
+  set_accelerations(ParticleSet<dim>        &particles,
+                    const SupportTable<dim> &table,
+                    const System<dim>       &system,
+                    const Vector            &a)
+  {
+    std::vector<ArrayView<double>> properties;
+    for (auto &particle : particles.handler())
+      properties.push_back(particle.get_properties());
+    for (const auto &patch : table.patches)
+      if (patch.matter)
+        for (unsigned int q = 0; q < patch.n_points; ++q)
+          {
+            Tensor<1, dim> a_q;
+            for (unsigned int k = 0; k < patch.n_nodes; ++k)
+              for (unsigned int d = 0; d < dim; ++d)
+                a_q[d] += table.N(patch, q)[k] *
+                          a.local_element(
+                            system.displacement(
+                              table.nodes[patch.first_node + k]) +
+                            d);
+            particles.columns.a.set(
+              properties[table.points[patch.first_point + q].particle], a_q);
+          }
+  }
+
+  template void
+  set_accelerations(ParticleSet<2> &,
+                    const SupportTable<2> &,
+                    const System<2> &,
+                    const Vector &);
+  template void
+  set_accelerations(ParticleSet<3> &,
+                    const SupportTable<3> &,
+                    const System<3> &,
+                    const Vector &);
   template AdvanceReport
   advance(ParticleSet<2> &,
           const SupportTable<2> &,

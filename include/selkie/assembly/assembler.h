@@ -49,11 +49,17 @@ namespace selkie
              const bool               with_tangent,
              Vector                  &residual);
 
-    /// Heat produced at the present iterate (W), summed over the ranks.
-    double
-    dissipation(const SupportTable<dim> &table,
-                const StepTime          &time,
-                StepFields              &fields);
+    /// Energies that leave or enter through the terms at the present iterate,
+    /// summed over the ranks.
+    struct Powers
+    {
+      double dissipation   = 0; ///< heat produced (W)
+      double external_work = 0; ///< of dead loads during the step (J)
+    };
+    Powers
+    powers(const SupportTable<dim> &table,
+           const StepTime          &time,
+           StepFields              &fields);
 
   private:
     void

@@ -22,7 +22,6 @@ namespace selkie
     double               J     = 1; ///< J_n det f
     dealii::Tensor<2, 3> l;     ///< velocity gradient (1/s), on request
     double               p = 0; ///< sum N_a p_a (Pa), in fluids
-    dealii::Point<dim>   x;     ///< position at t_n + N du
     /// f^{-T} e_j: gradients push forward as g_a = sum_j (grad_n N_a)_j c_j.
     std::array<dealii::Tensor<1, 3>, dim> c;
   };
@@ -100,9 +99,10 @@ namespace selkie
     const StepTime          *time  = nullptr;
     double                   h     = 0; ///< cell size (m)
 
-    std::vector<PointKinematics<dim>>    kinematics;
-    std::vector<dealii::Tensor<1, dim>>  acceleration; ///< on request
-    std::vector<PointForm<dim>>          forms;
+    std::vector<PointKinematics<dim>>   kinematics;
+    std::vector<dealii::Tensor<1, dim>> acceleration; ///< on request
+    std::vector<dealii::Tensor<1, dim>> increment;    ///< on request
+    std::vector<PointForm<dim>>         forms;
 
     const StepPoint<dim> &
     point(const unsigned int q) const

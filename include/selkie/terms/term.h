@@ -15,7 +15,7 @@ namespace selkie
     bool kinematics        = false; ///< f, J, c
     bool velocity_gradient = false; ///< l
     bool acceleration      = false; ///< sum N_a a_a
-    bool position          = false; ///< x
+    bool increment         = false; ///< sum N_a du_a, for the work of loads
   };
 
   /// The nodal state of a Newton iterate, for terms that act at nodes.
@@ -62,6 +62,13 @@ namespace selkie
     /// Power that the term turns into heat at the points of a patch (W).
     virtual double
     dissipation(const PatchState<dim> & /*state*/) const
+    {
+      return 0.;
+    }
+
+    /// Work that the term's dead load does in the step (J).
+    virtual double
+    external_work(const PatchState<dim> & /*state*/) const
     {
       return 0.;
     }

@@ -49,6 +49,14 @@ namespace selkie
                  const System<dim>   &system,
                  SupportTable<dim>   &table);
 
+  /// Interpolates nodal accelerations to the points: the start of a run.
+  template <int dim>
+  void
+  set_accelerations(ParticleSet<dim>        &particles,
+                    const SupportTable<dim> &table,
+                    const System<dim>       &system,
+                    const Vector            &a);
+
   /// What the update of the points did that the equations do not know of.
   struct AdvanceReport
   {
