@@ -41,6 +41,7 @@ namespace selkie
   struct Wall
   {
     NodeCondition                          condition = NodeCondition::slip;
+    std::array<bool, dim>                  components{}; ///< which are held
     std::shared_ptr<VectorExpression<dim>> velocity; ///< m/s, if prescribed
   };
 
@@ -54,6 +55,7 @@ namespace selkie
     /// Cells that touch the shape are refined this many times more.
     struct Refinement
     {
+      std::string                       name;
       std::shared_ptr<const Shape<dim>> shape;
       unsigned int                      levels = 1;
     };
@@ -68,8 +70,8 @@ namespace selkie
     std::string                            name;
     std::shared_ptr<const Shape<dim>>      shape;
     NodeCondition                          condition = NodeCondition::fixed;
-    std::array<bool, dim>                  components; ///< which are held
-    std::shared_ptr<VectorExpression<dim>> velocity;   ///< m/s, if prescribed
+    std::array<bool, dim>                  components{}; ///< which are held
+    std::shared_ptr<VectorExpression<dim>> velocity; ///< m/s, if prescribed
   };
 
   /// A named region of one material.
@@ -136,6 +138,7 @@ namespace selkie
   template <int dim>
   struct Traction
   {
+    std::string                            name;
     unsigned int                           body = 0;
     unsigned int                           face = 0; ///< x-, x+, y-, …
     std::shared_ptr<VectorExpression<dim>> value;    ///< Pa, of X, x, t
@@ -213,6 +216,13 @@ namespace selkie
     double       probe_interval = 0.; ///< s; 0: every step
   };
 
+  /// The value that a parameter has in the end, and who gave it.
+  struct ParameterValue
+  {
+    std::string value;
+    std::string origin; ///< "file.prm:12", "--set" or, for a default, ""
+  };
+
   template <int dim>
   struct Scene
   {
@@ -243,6 +253,13 @@ namespace selkie
 
     /// The names of the active effects, in the scene's words.
     std::vector<std::string> effects;
+
+    /// Every parameter by its path, as in "Bodies/water/Density": for messages
+    /// and for reports.
+    std::map<std::string, ParameterValue> parameters;
+
+    /// The same as a .prm, which reads back as this scene: parameters.prm.
+    std::string resolved;
 
     bool
     has_fluid() const
