@@ -57,7 +57,7 @@ namespace selkie
   };
 
 
-  /// p = p0 + K/n (J^-n - 1), equations (L.13)-(L.16), with constant viscosity.
+  /// p = p0 + K/n (J^-n - 1), equations (L.15)-(L.18), with constant viscosity.
   class NewtonianFluid : public FluidLaw
   {
   public:
@@ -110,7 +110,7 @@ namespace selkie
   };
 
 
-  /// Viscous Kirchhoff stress 2 mu J dev(sym l), Pa, equation (L.17).
+  /// Viscous Kirchhoff stress 2 mu J dev(sym l), Pa, equation (L.19).
   /// @param mu dynamic viscosity, Pa s
   /// @param J det F
   /// @param l velocity gradient, 1/s
@@ -118,7 +118,7 @@ namespace selkie
   viscous_stress(const double mu, const double J, const Tensor<2, 3> &l);
 
   /// Tangent of r_a = viscous_stress g_a for a displacement increment of node
-  /// b with dv_b = alpha4 du_b, per reference volume, equation (L.20), Pa/m^2.
+  /// b with dv_b = alpha4 du_b, per reference volume, equation (L.22), Pa/m^2.
   /// Not symmetric.
   /// @param alpha4 Newmark's alpha4, 1/s
   /// @param g_a,g_b gradients on the current configuration, 1/m
@@ -143,7 +143,7 @@ namespace selkie
                   const Tensor<1, 3> &g_b);
 
   /// Tangent of r_a = -J p(J) g_a for a displacement increment of node b, per
-  /// reference volume, equation (L.19), Pa/m^2. Symmetric. With a pressure that
+  /// reference volume, equation (L.21), Pa/m^2. Symmetric. With a pressure that
   /// does not follow J (mixed form) pass @p dp_dJ = 0.
   Tensor<2, 3>
   pressure_tangent_displacement(const double        p,
@@ -153,7 +153,7 @@ namespace selkie
                                 const Tensor<1, 3> &g_b);
 
   /// Power dissipated per reference volume 2 mu J d':d' >= 0, W/m^3,
-  /// equation (L.18).
+  /// equation (L.20).
   double
   viscous_dissipation(const double mu, const double J, const Tensor<2, 3> &l);
 } // namespace selkie
