@@ -67,8 +67,7 @@ namespace selkie
           const std::size_t d = std::string("xyz").find(item);
           if (item.size() != 1 || d >= dim)
             throw SceneError(std::string("allowed are x, y") +
-                             (dim == 3 ? ", z" : "") +
-                             ", separated by commas");
+                             (dim == 3 ? ", z" : "") + ", separated by commas");
           components[d] = true;
         }
     }

@@ -170,9 +170,7 @@ namespace selkie
                  "coordinate along Axis that Body reaches, `extent` the "
                  "smallest and largest coordinates, volume and centroid of "
                  "Body. Units: none.");
-      prm.add_parameter("Position",
-                        probe.position,
-                        "For `point`. Units: m.");
+      prm.add_parameter("Position", probe.position, "For `point`. Units: m.");
       prm.add_parameter("Radius",
                         probe.radius,
                         "For `point`; 0 means one cell. Units: m.",
@@ -195,17 +193,16 @@ namespace selkie
                 "body",
                 "For `front` and `extent`; the default is the first one. "
                 "Units: none.");
-      add_choice<unsigned int>(prm,
-                               "Axis",
-                               probe.axis,
-                               dim == 2 ?
-                                 std::vector<std::pair<std::string,
-                                                       unsigned int>>{{"x", 0},
-                                                                      {"y", 1}} :
-                                 std::vector<std::pair<std::string,
-                                                       unsigned int>>{
-                                   {"x", 0}, {"y", 1}, {"z", 2}},
-                               "For `front`. Units: none.");
+      add_choice<unsigned int>(
+        prm,
+        "Axis",
+        probe.axis,
+        dim == 2 ? std::vector<std::pair<std::string, unsigned int>>{{"x", 0},
+                                                                     {"y", 1}}
+                 : std::vector<std::pair<std::string, unsigned int>>{{"x", 0},
+                                                                     {"y", 1},
+                                                                     {"z", 2}},
+        "For `front`. Units: none.");
       prm.leave_subsection();
     }
 
@@ -283,8 +280,8 @@ namespace selkie
         for (auto &body : scene.bodies)
           body.hydrostatic_start = false;
         for (const auto &item : split_list(text))
-          scene.bodies[index_of(item, names.bodies, "body")]
-            .hydrostatic_start = true;
+          scene.bodies[index_of(item, names.bodies, "body")].hydrostatic_start =
+            true;
       });
       prm.leave_subsection();
     }

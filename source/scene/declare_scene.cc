@@ -218,7 +218,8 @@ namespace selkie
       add_choice(prm,
                  "Scheme",
                  transfer.scheme,
-                 {{"flip", TransferScheme::flip}, {"tpic", TransferScheme::tpic}},
+                 {{"flip", TransferScheme::flip},
+                  {"tpic", TransferScheme::tpic}},
                  "How velocities go from nodes to points: `flip` adds the "
                  "nodes' increments, `tpic` carries a velocity gradient. "
                  "Units: none.");

@@ -113,12 +113,12 @@ namespace selkie
         const auto found =
           given.insert({entries.back().path(), entries.back().origin});
         if (!found.second)
-          throw SceneError(parameter_message(
-            origin(),
-            entries.back().path(),
-            value,
-            "it was set before, at " + found.first->second +
-              "; a parameter can be set once"));
+          throw SceneError(
+            parameter_message(origin(),
+                              entries.back().path(),
+                              value,
+                              "it was set before, at " + found.first->second +
+                                "; a parameter can be set once"));
       }
 
       const std::string                  file;
@@ -160,12 +160,12 @@ namespace selkie
         return "";
       const std::string lower = description.substr(first + 1, dots - first - 1);
       const std::string upper = description.substr(dots + 3, last - dots - 3);
-      const bool has_lower    = (lower != "-MAX_DOUBLE");
+      const bool        has_lower = (lower != "-MAX_DOUBLE");
       const bool has_upper = (upper != "MAX_DOUBLE" && upper != "2147483647");
-      return has_lower && has_upper ? " from " + lower + " to " + upper :
-             has_lower              ? ", at least " + lower :
-             has_upper              ? ", at most " + upper :
-                                      "";
+      return has_lower && has_upper ? " from " + lower + " to " + upper
+             : has_lower            ? ", at least " + lower
+             : has_upper            ? ", at most " + upper
+                                    : "";
     }
 
 
@@ -227,8 +227,8 @@ namespace selkie
     std::string
     why_unknown(const ParameterHandler &prm, const ParameterEntry &entry)
     {
-      const std::string section = join(entry.sections, "/");
-      const std::string prefix  = section.empty() ? "" : section + "/";
+      const std::string        section = join(entry.sections, "/");
+      const std::string        prefix  = section.empty() ? "" : section + "/";
       std::vector<std::string> names;
       std::set<std::string>    subsections;
       for (const auto &parameter : declared_parameters(prm))
@@ -244,8 +244,8 @@ namespace selkie
         }
       if (names.empty() && subsections.empty())
         return "there is no subsection '" + section + "' in this scene";
-      std::string why = "there is no such parameter. Allowed here are: " +
-                        join(names, ", ");
+      std::string why =
+        "there is no such parameter. Allowed here are: " + join(names, ", ");
       if (!subsections.empty())
         why += "; subsections: " +
                join({subsections.begin(), subsections.end()}, ", ");
@@ -271,7 +271,8 @@ namespace selkie
         throw SceneError(
           parameter_message(entry.origin, entry.path(), entry.value, why));
       };
-      if (!entry.sections.empty() && !prm.subsection_path_exists(entry.sections))
+      if (!entry.sections.empty() &&
+          !prm.subsection_path_exists(entry.sections))
         fail(why_unknown(prm, entry));
       for (const auto &section : entry.sections)
         prm.enter_subsection(section);

@@ -134,10 +134,8 @@ namespace selkie
       Polygon(const std::vector<Point<2>> &corners)
         : corners(corners)
         , box(BoundingBox<2>(corners))
-        , tolerance(
-            round_off *
-            size<2>(box.get_boundary_points().first,
-                    box.get_boundary_points().second))
+        , tolerance(round_off * size<2>(box.get_boundary_points().first,
+                                        box.get_boundary_points().second))
       {
         if (sides_cross())
           throw SceneError("its sides cross");
@@ -272,6 +270,21 @@ namespace selkie
 
 
   template <int dim>
+  bool
+  well_inside(const Shape<dim> &shape, const Point<dim> &x, const double step)
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        Tensor<1, dim> move;
+        move[d] = step;
+        if (!shape.contains(x + move) || !shape.contains(x - move))
+          return false;
+      }
+    return shape.contains(x);
+  }
+
+
+  template <int dim>
   std::shared_ptr<const Shape<dim>>
   make_box(const Point<dim> &lower, const Point<dim> &upper)
   {
@@ -308,6 +321,10 @@ namespace selkie
   overlap(const BoundingBox<2> &, const BoundingBox<2> &, BoundingBox<2> &);
   template bool
   overlap(const BoundingBox<3> &, const BoundingBox<3> &, BoundingBox<3> &);
+  template bool
+  well_inside(const Shape<2> &, const Point<2> &, const double);
+  template bool
+  well_inside(const Shape<3> &, const Point<3> &, const double);
   template std::shared_ptr<const Shape<2>>
   make_box(const Point<2> &, const Point<2> &);
   template std::shared_ptr<const Shape<3>>

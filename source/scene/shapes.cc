@@ -104,7 +104,7 @@ namespace selkie
       bool
       contains(const Point<dim> &x) const override
       {
-        return a->contains(x) && !is_interior_of_b(x);
+        return a->contains(x) && !well_inside(*b, x, step);
       }
 
       BoundingBox<dim>
@@ -120,18 +120,6 @@ namespace selkie
       }
 
     private:
-      bool
-      is_interior_of_b(const Point<dim> &x) const
-      {
-        if (!b->contains(x))
-          return false;
-        for (unsigned int d = 0; d < dim; ++d)
-          if (!b->contains(x + step * Point<dim>::unit_vector(d)) ||
-              !b->contains(x - step * Point<dim>::unit_vector(d)))
-            return false;
-        return true;
-      }
-
       const ShapePointer<dim> a, b;
       const double            step;
     };
@@ -169,8 +157,8 @@ namespace selkie
       known()
       {
         return dim == 2 ? "box(x0, y0, x1, y1), disc(x, y, r), polygon(x0, "
-                          "y0, x1, y1, ...), inside(x0, y0, x1, y1, expression)" :
-                          "box(x0, y0, z0, x1, y1, z1), sphere(x, y, z, r), "
+                          "y0, x1, y1, ...), inside(x0, y0, x1, y1, expression)"
+                        : "box(x0, y0, z0, x1, y1, z1), sphere(x, y, z, r), "
                           "inside(x0, y0, z0, x1, y1, z1, expression)";
       }
 
@@ -220,8 +208,8 @@ namespace selkie
         while (position < text.size() && std::isalpha(text[position]))
           name += text[position++];
         if (!next_is('('))
-          fail(name.empty() ? "the name of a shape is missing" :
-                              "'" + name + "' must be followed by '('");
+          fail(name.empty() ? "the name of a shape is missing"
+                            : "'" + name + "' must be followed by '('");
         const auto arguments = read_arguments();
         try
           {
@@ -229,8 +217,8 @@ namespace selkie
           }
         catch (const SceneError &error)
           {
-            throw SceneError("the shape '" + text + "': " + name + "(): " +
-                             error.what());
+            throw SceneError("the shape '" + text + "': " + name +
+                             "(): " + error.what());
           }
       }
 
@@ -262,7 +250,7 @@ namespace selkie
       static double
       number(const std::string &argument)
       {
-        const double nan = std::numeric_limits<double>::quiet_NaN();
+        const double     nan = std::numeric_limits<double>::quiet_NaN();
         const Point<dim> nowhere =
           (dim == 2 ? Point<dim>(nan, nan) : Point<dim>(nan, nan, nan));
         const double value =

@@ -54,10 +54,7 @@ namespace selkie
             std::shared_ptr<const Shape<dim>> &variable,
             const std::string                 &documentation)
   {
-    prm.declare_entry(name,
-                      "",
-                      dealii::Patterns::Anything(),
-                      documentation);
+    prm.declare_entry(name, "", dealii::Patterns::Anything(), documentation);
     prm.add_action(name, [&variable](const std::string &text) {
       variable = text.empty() ? nullptr : make_shape<dim>(text);
     });
@@ -72,13 +69,10 @@ namespace selkie
                std::shared_ptr<VectorExpression<dim>> &variable,
                const std::string                      &documentation)
   {
-    prm.declare_entry(name,
-                      "",
-                      dealii::Patterns::Anything(),
-                      documentation);
+    prm.declare_entry(name, "", dealii::Patterns::Anything(), documentation);
     prm.add_action(name, [&variable](const std::string &text) {
-      variable = text.empty() ? nullptr :
-                                std::make_shared<VectorExpression<dim>>(text);
+      variable =
+        text.empty() ? nullptr : std::make_shared<VectorExpression<dim>>(text);
     });
   }
 } // namespace selkie

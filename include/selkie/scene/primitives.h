@@ -46,6 +46,14 @@ namespace selkie
           const BoundingBox<dim> &b,
           BoundingBox<dim>       &common);
 
+  /// Whether x and the points at a distance `step` (m) from it along the axes
+  /// are inside: x is not on the boundary.
+  template <int dim>
+  bool
+  well_inside(const Shape<dim>         &shape,
+              const dealii::Point<dim> &x,
+              const double              step);
+
   /// Calls visit(x) for the centres of 1000^2 or 100^3 equal cells of a box.
   template <int dim, typename Visit>
   void
@@ -59,8 +67,8 @@ namespace selkie
           {
             const unsigned int index[3] = {i, j, k};
             for (unsigned int d = 0; d < dim; ++d)
-              x[d] = box.lower_bound(d) +
-                     (index[d] + 0.5) / n * box.side_length(d);
+              x[d] =
+                box.lower_bound(d) + (index[d] + 0.5) / n * box.side_length(d);
             visit(x);
           }
   }
