@@ -1,3 +1,4 @@
+#include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/base/log.h>
 
@@ -45,10 +46,7 @@ namespace selkie
         file.flush();
       }
     said.clear();
-
-    error = dealii::Utilities::MPI::broadcast(comm, error);
-    if (!error.empty())
-      throw SceneError(error);
+    throw_on_all_ranks<SceneError>(comm, error);
   }
 
 

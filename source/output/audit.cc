@@ -140,36 +140,17 @@ namespace selkie
   namespace
   {
     template <int dim>
-    bool
-    has_solid(const Scene<dim> &scene)
-    {
-      return std::any_of(scene.bodies.begin(),
-                         scene.bodies.end(),
-                         [](const Body<dim> &body) {
-                           return body.law->phase() == Phase::solid;
-                         });
-    }
-
-    /// e.g. "momentum x (kg m/s)"
-    std::string
-    component(const std::string &name,
-              const unsigned int axis,
-              const std::string &unit)
-    {
-      return name + ' ' + "xyz"[axis] + " (" + unit + ')';
-    }
-
-    template <int dim>
     void
     set_motion(const Audit &audit, Statistics &statistics)
     {
       const std::string unit = dim == 2 ? "kg/s" : "kg m/s";
       for (unsigned int i = 0; i < dim; ++i)
-        statistics.set(component("momentum", i, unit), audit.momentum[i]);
+        statistics.set(component_column("momentum", i, unit),
+                       audit.momentum[i]);
       for (unsigned int i = dim == 2 ? 2 : 0; i < 3; ++i)
-        statistics.set(component("angular momentum",
-                                 i,
-                                 dim == 2 ? "kg m/s" : "kg m^2/s"),
+        statistics.set(component_column("angular momentum",
+                                        i,
+                                        dim == 2 ? "kg m/s" : "kg m^2/s"),
                        audit.angular_momentum[i]);
     }
   } // namespace
@@ -177,16 +158,17 @@ namespace selkie
 
   template <int dim>
   void
-  set_columns(const Audit      &audit,
-              const Scene<dim> &scene,
-              Statistics       &statistics)
+  set_columns(const Audit            &audit,
+              const ParticleSet<dim> &particles,
+              Statistics             &statistics)
   {
+    const Scene<dim> &scene  = particles.scene;
     const std::string energy = dim == 2 ? " energy (J/m)" : " energy (J)";
     if (scene.inertia)
       statistics.set("kinetic" + energy, audit.kinetic);
-    if (has_solid(scene))
+    if (particles.columns.F.exists())
       statistics.set("strain" + energy, audit.strain);
-    if (scene.has_fluid())
+    if (particles.columns.J.exists())
       statistics.set("compression" + energy, audit.compression);
     if (scene.gravity)
       statistics.set("potential" + energy, audit.potential);
@@ -196,7 +178,8 @@ namespace selkie
     statistics.set("min J", audit.min_J);
     statistics.set("max J", audit.max_J);
     for (unsigned int i = 0; i < dim; ++i)
-      statistics.set(component("center of mass", i, "m"), audit.center[i]);
+      statistics.set(component_column("center of mass", i, "m"),
+                     audit.center[i]);
     if (scene.inertia)
       set_motion<dim>(audit, statistics);
   }
@@ -213,7 +196,7 @@ namespace selkie
   volume_ratio(const ParticleSet<3> &, const dealii::ArrayView<const double> &);
 
   template void
-  set_columns(const Audit &, const Scene<2> &, Statistics &);
+  set_columns(const Audit &, const ParticleSet<2> &, Statistics &);
   template void
-  set_columns(const Audit &, const Scene<3> &, Statistics &);
+  set_columns(const Audit &, const ParticleSet<3> &, Statistics &);
 } // namespace selkie

@@ -3,6 +3,7 @@
 #include <deal.II/base/exceptions.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
@@ -47,6 +48,8 @@ namespace selkie
   std::string
   Statistics::full_precision(const double value)
   {
+    if (std::isnan(value))
+      return "nan"; // whatever its sign
     char text[32];
     std::snprintf(text, sizeof(text), "%.17g", value);
     return text;
@@ -74,5 +77,14 @@ namespace selkie
       }
     row[place].second = value;
     next              = place + 1;
+  }
+
+
+  std::string
+  component_column(const std::string &quantity,
+                   const unsigned int axis,
+                   const std::string &unit)
+  {
+    return quantity + ' ' + "xyz"[axis] + " (" + unit + ')';
   }
 } // namespace selkie

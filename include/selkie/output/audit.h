@@ -52,7 +52,7 @@ namespace selkie
   /// Sets the audit's columns of those effects that the scene has.
   template <int dim>
   void
-  set_columns(const Audit      &audit,
-              const Scene<dim> &scene,
-              Statistics       &statistics);
+  set_columns(const Audit            &audit,
+              const ParticleSet<dim> &particles,
+              Statistics             &statistics);
 } // namespace selkie

@@ -57,4 +57,10 @@ namespace selkie
     std::vector<std::pair<std::string, std::string>> row; ///< column, value
     std::size_t next = 0; ///< where the next column is expected
   };
+
+  /// The name of a column for one component, e.g. "momentum x (kg m/s)".
+  std::string
+  component_column(const std::string &quantity,
+                   const unsigned int axis,
+                   const std::string &unit);
 } // namespace selkie
