@@ -279,7 +279,7 @@ namespace selkie
     }
 
     template <int dim>
-    void
+    [[gnu::flatten]] void
     GeneralKernel<dim>::evaluate_at(const Tensor<1, dim> &new_lambda)
     {
       lambda              = new_lambda;
@@ -300,7 +300,7 @@ namespace selkie
     }
 
     template <int dim>
-    void
+    [[gnu::flatten]] void
     GeneralKernel<dim>::advance(const Tensor<1, dim> &step)
     {
       if (step.norm() * h > small_step)
@@ -315,7 +315,7 @@ namespace selkie
     }
 
     template <int dim>
-    double
+    [[gnu::flatten]] double
     GeneralKernel<dim>::largest_exponent(const Tensor<1, dim> &at_lambda) const
     {
       V largest(std::numeric_limits<double>::lowest());
@@ -410,7 +410,7 @@ namespace selkie
     }
 
     template <int dim>
-    bool
+    [[gnu::flatten]] bool
     GeneralKernel<dim>::is_outside() const
     {
       V smallest(std::numeric_limits<double>::max());
@@ -421,7 +421,7 @@ namespace selkie
     }
 
     template <int dim>
-    void
+    [[gnu::flatten]] void
     GeneralKernel<dim>::normalise() const
     {
       const V factor(1. / Z);
@@ -430,7 +430,7 @@ namespace selkie
     }
 
     template <int dim>
-    void
+    [[gnu::flatten]] void
     GeneralKernel<dim>::gradients(double *grad) const
     {
       // grad N_a = N_a (A d_a - 2 beta_a d_a + c); for one beta A = -H^-1,
@@ -457,7 +457,7 @@ namespace selkie
     }
 
     template <int dim>
-    void
+    [[gnu::flatten]] void
     GeneralKernel<dim>::weighted_sums(Tensor<1, dim> &m_beta,
                                       Tensor<2, dim> &J_beta) const
     {

@@ -20,7 +20,7 @@ namespace selkie
     constexpr unsigned int max_steps  = 12;
     constexpr double       small_step = 0.01; // exponents: vexp_small suffices
     constexpr double       accurate_step = 1e-9; // nothing left to gain
-    constexpr double       wall_second   = 1e-4; // second moment near a wall
+    constexpr double       wall_variance = 1e-4; // less than this near a wall
 
     /// The one-dimensional functions along the lines of a box, node by node.
     struct Lines
@@ -30,51 +30,50 @@ namespace selkie
     };
 
     /**
-     * All directions at once, in units of h: t is the distance from the first
-     * node, nu = lambda h, and the exponent of node i is
-     * -gamma (t-i)^2 + nu (t-i) - shift.
+     * All directions at once, in units of h: t is the distance from node 0 and
+     * nu = lambda h. The weight of node i is exp(-gamma (t-i)^2 + nu (t-i)),
+     * relative to that of node 0.
      */
     struct LineKernel
     {
-      Dims         t, nu, gamma, decay, nearest, last;
+      Dims         t, nu, gamma, decay, last;
       unsigned int n_nodes; // of the longest line
 
-      Dims first, ratio; // weight of node 0; weight 1 / weight 0
-      Dims Z = 0., r = 0., H = 0.;
+      Dims ratio;                    // weight of node 1 / weight of node 0
+      Dims Z, r, variance, skewness; // the sums (L11)
 
-      /// Weights by exp, relative to that of the nearest node.
+      /// Start at nu.
       void
       evaluate()
       {
-        const Dims u     = t - nearest;
-        const Dims shift = u * (nu - gamma * u);
-        first            = simd::vexp(t * (nu - gamma * t) - shift);
-        ratio            = simd::vexp(gamma * (t + t - Dims(1.)) - nu);
+        ratio = simd::vexp(gamma * (t + t - Dims(1.)) - nu);
         accumulate();
       }
 
-      /// The same after a small step of nu, without exp.
       void
-      advance(const Dims &step)
+      advance(const Dims &step, const bool is_small)
       {
         nu += step;
-        first *= simd::vexp_small(step * t);
-        ratio *= simd::vexp_small(-step);
+        ratio *= is_small ? simd::vexp_small(-step) : simd::vexp(-step);
         accumulate();
       }
 
-      /// The sums (L11).
       void
       accumulate()
       {
-        Z = r = H = Dims(0.);
+        Dims third(0.);
+        Z = r = variance = Dims(0.);
         for_each_node([&](unsigned int, const Dims &w, const Dims &u) {
+          const Dims wu = w * u, wuu = wu * u;
           Z += w;
-          r += w * u;
-          H += w * u * u;
+          r += wu;
+          variance += wuu;
+          third += wuu * u;
         });
-        r /= Z;
-        H = H / Z - r * r;
+        const Dims factor = Dims(1.) / Z, second = variance * factor;
+        r *= factor;
+        variance = second - r * r;
+        skewness = third * factor - r * (Dims(2.) * variance + second);
       }
 
       /// Call f(i, weight, t - i) for the nodes, by the recurrence (L12).
@@ -82,11 +81,12 @@ namespace selkie
       void
       for_each_node(const Function &f) const
       {
-        Dims w = first, rho = ratio, u = t;
+        Dims w(1.), rho = ratio, u = t;
         for (unsigned int i = 0; i < n_nodes; ++i)
           {
-            where(Dims(double(i)) > last, w) = 0.; // shorter lines
-            f(i, w, u);
+            Dims weight                           = w;
+            where(Dims(double(i)) > last, weight) = 0.; // shorter lines
+            f(i, weight, u);
             w *= rho;
             rho *= decay;
             u -= Dims(1.);
@@ -94,30 +94,26 @@ namespace selkie
       }
     };
 
-    /// Newton's iteration in all directions; the number of steps, or 0 if it
-    /// does not converge quickly or a wall is near.
-    unsigned int
-    newton(LineKernel &lines, const double tolerance)
+    /// Halley's iteration (L13) in all directions; the number of steps, or 0 if
+    /// it does not converge quickly or a wall is near.
+    [[gnu::flatten]] unsigned int
+    solve(LineKernel &lines, const double tolerance)
     {
       using simd::stdx::abs;
       lines.evaluate();
       for (unsigned int i = 1; i <= max_steps; ++i)
         {
-          if (!all_of(lines.H > Dims(wall_second)))
+          const Dims &r = lines.r, &H = lines.variance;
+          if (!all_of(H > Dims(wall_variance)))
             return 0;
-          const Dims step = -lines.r / lines.H;
-          if (all_of(abs(lines.r) < Dims(tolerance)) &&
+          const Dims step =
+            Dims(-2.) * r * H / (Dims(2.) * H * H - r * lines.skewness);
+          if (all_of(abs(r) < Dims(tolerance)) &&
               all_of(abs(step) < Dims(accurate_step)))
             return i;
-          if (all_of(abs(step) * Dims(double(lines.n_nodes)) <
-                     Dims(small_step)))
-            lines.advance(step);
-          else
-            {
-              lines.nu +=
-                simd::stdx::min(Dims(4.), simd::stdx::max(Dims(-4.), step));
-              lines.evaluate();
-            }
+          lines.advance(simd::stdx::min(Dims(4.),
+                                        simd::stdx::max(Dims(-4.), step)),
+                        all_of(abs(step) < Dims(small_step)));
         }
       return 0;
     }
@@ -125,24 +121,22 @@ namespace selkie
     /// The kernel for the point; unused lanes get two nodes and a point
     /// halfway.
     template <int dim>
-    LineKernel
+    [[gnu::flatten]] LineKernel
     make_kernel(const LmeNodes<dim>  &nodes,
                 const Point<dim>     &x,
                 const Tensor<1, dim> &lambda)
     {
       alignas(32) double t[4] = {.5, .5, .5, .5}, last[4] = {1., 1., 1., 1.},
-                         nearest[4] = {}, nu[4] = {};
+                         nu[4] = {};
       for (unsigned int d = 0; d < dim; ++d)
         {
-          t[d]       = (x[d] - nodes.box_origin[d]) / nodes.h;
-          last[d]    = nodes.box_size[d] - 1.;
-          nearest[d] = std::min(std::max(std::floor(t[d] + .5), 0.), last[d]);
-          nu[d]      = lambda[d] * nodes.h;
+          t[d]    = (x[d] - nodes.box_origin[d]) / nodes.h;
+          last[d] = nodes.box_size[d] - 1.;
+          nu[d]   = lambda[d] * nodes.h;
         }
       LineKernel lines;
       lines.t.copy_from(t, anywhere);
       lines.last.copy_from(last, anywhere);
-      lines.nearest.copy_from(nearest, anywhere);
       lines.nu.copy_from(nu, anywhere);
       lines.gamma = nodes.beta[0] * nodes.h * nodes.h;
       lines.decay = nodes.box_decay;
@@ -153,10 +147,11 @@ namespace selkie
 
     /// One-dimensional functions and gradients (L6) from the converged weights.
     template <int dim>
-    void
+    [[gnu::flatten]] void
     fill(const LineKernel &lines, const double h, Lines &result)
     {
-      const Dims factor = Dims(1.) / lines.Z, slope = Dims(-1. / h) / lines.H;
+      const Dims factor = Dims(1.) / lines.Z,
+                 slope  = Dims(-1. / h) / lines.variance;
       lines.for_each_node([&](const unsigned int i, const Dims &w, Dims u) {
         const Dims N = w * factor, grad = N * u * slope;
         for (unsigned int d = 0; d < dim; ++d)
@@ -165,6 +160,10 @@ namespace selkie
             result.grad[d][i] = grad[d];
           }
       });
+      // store_row computes with whole vectors: rubbish there would be slow.
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = lines.n_nodes; i < lme_padded(lines.n_nodes); ++i)
+          result.N[d][i] = result.grad[d][i] = 0.;
     }
 
     /// to[i] = factor * line[i], 0 <= i < n, and nothing beyond.
@@ -184,7 +183,7 @@ namespace selkie
 
     /// The products (L10), row after row in x direction.
     template <int dim>
-    void
+    [[gnu::flatten]] void
     store_products(const LmeNodes<dim> &nodes,
                    const Lines         &lines,
                    double              *N,
@@ -240,7 +239,7 @@ namespace selkie
       return 0;
     // The lengths of r along the directions add up: share the tolerance.
     const unsigned int n_steps =
-      newton(lines, settings.tolerance / std::sqrt(double(dim)));
+      solve(lines, settings.tolerance / std::sqrt(double(dim)));
     if (n_steps == 0)
       return 0;
 
