@@ -13,8 +13,7 @@ namespace selkie
   {
     using V    = simd::Native;
     using Dims = simd::Four; // the lanes are the space directions
-    constexpr auto         anywhere   = simd::stdx::element_aligned;
-    constexpr unsigned int lanes      = V::size();
+    constexpr unsigned int lanes      = simd::n_lanes<V>;
     constexpr unsigned int max_line   = 32;
     constexpr double       max_gamma  = 500.; // gamma (n-1)^2
     constexpr unsigned int max_steps  = 12;
@@ -46,7 +45,7 @@ namespace selkie
       void
       evaluate()
       {
-        ratio = simd::vexp(gamma * (t + t - Dims(1.)) - nu);
+        ratio = simd::vexp(Dims(gamma * (t + t - 1.) - nu));
         accumulate();
       }
 
@@ -54,15 +53,16 @@ namespace selkie
       advance(const Dims &step, const bool is_small)
       {
         nu += step;
-        ratio *= is_small ? simd::vexp_small(-step) : simd::vexp(-step);
+        const Dims minus = -step;
+        ratio *= is_small ? simd::vexp_small(minus) : simd::vexp(minus);
         accumulate();
       }
 
       void
       accumulate()
       {
-        Dims third(0.);
-        Z = r = variance = Dims(0.);
+        Dims third = {};
+        Z = r = variance = Dims{};
         for_each_node([&](unsigned int, const Dims &w, const Dims &u) {
           const Dims wu = w * u, wuu = wu * u;
           Z += w;
@@ -70,10 +70,10 @@ namespace selkie
           variance += wuu;
           third += wuu * u;
         });
-        const Dims factor = Dims(1.) / Z, second = variance * factor;
+        const Dims factor = 1. / Z, second = variance * factor;
         r *= factor;
         variance = second - r * r;
-        skewness = third * factor - r * (Dims(2.) * variance + second);
+        skewness = third * factor - r * (2. * variance + second);
       }
 
       /// Call f(i, weight, t - i) for the nodes, by the recurrence (L12).
@@ -81,39 +81,43 @@ namespace selkie
       void
       for_each_node(const Function &f) const
       {
-        Dims w(1.), rho = ratio, u = t;
+        Dims w = simd::all<Dims>(1.), rho = ratio, u = t;
         for (unsigned int i = 0; i < n_nodes; ++i)
           {
-            Dims weight                           = w;
-            where(Dims(double(i)) > last, weight) = 0.; // shorter lines
+            // Shorter lines have no such node.
+            const Dims weight = (last < double(i) ? Dims{} : w);
             f(i, weight, u);
             w *= rho;
             rho *= decay;
-            u -= Dims(1.);
+            u -= 1.;
           }
       }
     };
 
+    inline double
+    largest_magnitude(const Dims &v)
+    {
+      return simd::largest_lane(simd::max(v, Dims(-v)));
+    }
+
     /// Halley's iteration (L13) in all directions; the number of steps, or 0 if
     /// it does not converge quickly or a wall is near.
-    [[gnu::flatten]] unsigned int
+    unsigned int
     solve(LineKernel &lines, const double tolerance)
     {
-      using simd::stdx::abs;
       lines.evaluate();
       for (unsigned int i = 1; i <= max_steps; ++i)
         {
           const Dims &r = lines.r, &H = lines.variance;
-          if (!all_of(H > Dims(wall_variance)))
+          if (!(simd::largest_lane(Dims(-H)) < -wall_variance))
             return 0;
-          const Dims step =
-            Dims(-2.) * r * H / (Dims(2.) * H * H - r * lines.skewness);
-          if (all_of(abs(r) < Dims(tolerance)) &&
-              all_of(abs(step) < Dims(accurate_step)))
+          const Dims   step   = -2. * r * H / (2. * H * H - r * lines.skewness);
+          const double length = largest_magnitude(step);
+          if (length < accurate_step && largest_magnitude(r) < tolerance)
             return i;
-          lines.advance(simd::stdx::min(Dims(4.),
-                                        simd::stdx::max(Dims(-4.), step)),
-                        all_of(abs(step) < Dims(small_step)));
+          lines.advance(simd::min(simd::all<Dims>(4.),
+                                  simd::max(simd::all<Dims>(-4.), step)),
+                        length * lines.n_nodes < small_step);
         }
       return 0;
     }
@@ -121,7 +125,7 @@ namespace selkie
     /// The kernel for the point; unused lanes get two nodes and a point
     /// halfway.
     template <int dim>
-    [[gnu::flatten]] LineKernel
+    LineKernel
     make_kernel(const LmeNodes<dim>  &nodes,
                 const Point<dim>     &x,
                 const Tensor<1, dim> &lambda)
@@ -135,11 +139,11 @@ namespace selkie
           nu[d]   = lambda[d] * nodes.h;
         }
       LineKernel lines;
-      lines.t.copy_from(t, anywhere);
-      lines.last.copy_from(last, anywhere);
-      lines.nu.copy_from(nu, anywhere);
-      lines.gamma = nodes.beta[0] * nodes.h * nodes.h;
-      lines.decay = nodes.box_decay;
+      lines.t     = simd::load<Dims>(t);
+      lines.last  = simd::load<Dims>(last);
+      lines.nu    = simd::load<Dims>(nu);
+      lines.gamma = simd::all<Dims>(nodes.beta[0] * nodes.h * nodes.h);
+      lines.decay = simd::all<Dims>(nodes.box_decay);
       lines.n_nodes =
         *std::max_element(nodes.box_size.begin(), nodes.box_size.end());
       return lines;
@@ -147,11 +151,10 @@ namespace selkie
 
     /// One-dimensional functions and gradients (L6) from the converged weights.
     template <int dim>
-    [[gnu::flatten]] void
+    void
     fill(const LineKernel &lines, const double h, Lines &result)
     {
-      const Dims factor = Dims(1.) / lines.Z,
-                 slope  = Dims(-1. / h) / lines.variance;
+      const Dims factor = 1. / lines.Z, slope = (-1. / h) / lines.variance;
       lines.for_each_node([&](const unsigned int i, const Dims &w, Dims u) {
         const Dims N = w * factor, grad = N * u * slope;
         for (unsigned int d = 0; d < dim; ++d)
@@ -166,24 +169,28 @@ namespace selkie
           result.N[d][i] = result.grad[d][i] = 0.;
     }
 
-    /// to[i] = factor * line[i], 0 <= i < n, and nothing beyond.
+    /// to[i] = factor * line[i], 0 <= i < n; rubbish may follow up to room.
     inline void
     store_row(const double       factor,
               const double      *line,
               const unsigned int n,
+              const unsigned int room,
               double            *to)
     {
-      const V numbers = simd::lane_numbers<V>();
       for (unsigned int i = 0; i < n; i += lanes)
         {
-          const V row = V(factor) * V(line + i, anywhere);
-          where(numbers < V(double(n) - i), row).copy_to(to + i, anywhere);
+          const V row = factor * simd::load<V>(line + i);
+          if (i + lanes <= room)
+            simd::store(row, to + i);
+          else
+            for (unsigned int l = 0; i + l < n; ++l)
+              to[i + l] = row[l];
         }
     }
 
     /// The products (L10), row after row in x direction.
     template <int dim>
-    [[gnu::flatten]] void
+    void
     store_products(const LmeNodes<dim> &nodes,
                    const Lines         &lines,
                    double              *N,
@@ -197,20 +204,19 @@ namespace selkie
           const double N_z = (dim == 3 ? lines.N[2][k] : 1.);
           for (unsigned int j = 0; j < size[1]; ++j, row += size[0])
             {
+              const auto store =
+                [&](const double factor, const double *line, double *to) {
+                  store_row(
+                    factor, line, size[0], nodes.n_padded - row, to + row);
+                };
               const double N_yz = lines.N[1][j] * N_z;
-              store_row(N_yz, lines.N[0], size[0], N + row);
+              store(N_yz, lines.N[0], N);
               if (grad == nullptr)
                 continue;
-              store_row(N_yz, lines.grad[0], size[0], grad + row);
-              store_row(lines.grad[1][j] * N_z,
-                        lines.N[0],
-                        size[0],
-                        grad_y + row);
+              store(N_yz, lines.grad[0], grad);
+              store(lines.grad[1][j] * N_z, lines.N[0], grad_y);
               if (dim == 3)
-                store_row(lines.N[1][j] * lines.grad[2][k],
-                          lines.N[0],
-                          size[0],
-                          grad_z + row);
+                store(lines.N[1][j] * lines.grad[2][k], lines.N[0], grad_z);
             }
         }
       for (unsigned int a = nodes.n; a < nodes.n_padded; ++a)
