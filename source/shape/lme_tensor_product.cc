@@ -24,8 +24,8 @@ namespace selkie
     /// The one-dimensional functions along the lines of a box, node by node.
     struct Lines
     {
-      alignas(64) double N[3][max_line + lme_padding];
-      alignas(64) double grad[3][max_line + lme_padding];
+      alignas(64) double N[3][max_line];
+      alignas(64) double grad[3][max_line];
     };
 
     /**
@@ -82,6 +82,7 @@ namespace selkie
       for_each_node(const Function &f) const
       {
         Dims w = simd::all<Dims>(1.), rho = ratio, u = t;
+#pragma GCC unroll 1
         for (unsigned int i = 0; i < n_nodes; ++i)
           {
             // Shorter lines have no such node.
@@ -102,7 +103,7 @@ namespace selkie
 
     /// Halley's iteration (L13) in all directions; the number of steps, or 0 if
     /// it does not converge quickly or a wall is near.
-    unsigned int
+    inline __attribute__((always_inline)) unsigned int
     solve(LineKernel &lines, const double tolerance)
     {
       lines.evaluate();
@@ -130,23 +131,35 @@ namespace selkie
                 const Point<dim>     &x,
                 const Tensor<1, dim> &lambda)
     {
-      alignas(32) double t[4] = {.5, .5, .5, .5}, last[4] = {1., 1., 1., 1.},
-                         nu[4] = {};
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          t[d]    = (x[d] - nodes.box_origin[d]) / nodes.h;
-          last[d] = nodes.box_size[d] - 1.;
-          nu[d]   = lambda[d] * nodes.h;
-        }
-      LineKernel lines;
-      lines.t     = simd::load<Dims>(t);
-      lines.last  = simd::load<Dims>(last);
-      lines.nu    = simd::load<Dims>(nu);
+      const auto last_node = [&](const unsigned int d) {
+        return nodes.box_size[d] - 1.;
+      };
+      const Tensor<1, dim>   t  = (x - nodes.box_origin) / nodes.h;
+      const Tensor<1, dim>   nu = lambda * nodes.h;
+      constexpr unsigned int z  = dim - 1;
+      LineKernel             lines;
+      lines.t  = Dims{t[0], t[1], dim == 3 ? t[z] : .5, .5};
+      lines.nu = Dims{nu[0], nu[1], dim == 3 ? nu[z] : 0., 0.};
+      lines.last =
+        Dims{last_node(0), last_node(1), dim == 3 ? last_node(z) : 1., 1.};
       lines.gamma = simd::all<Dims>(nodes.beta[0] * nodes.h * nodes.h);
       lines.decay = simd::all<Dims>(nodes.box_decay);
       lines.n_nodes =
         *std::max_element(nodes.box_size.begin(), nodes.box_size.end());
       return lines;
+    }
+
+    /// Component d of consecutive Dims. Vectors are put together in registers
+    /// here and in make_kernel(): to load what was just stored in pieces
+    /// stalls.
+    template <class Vector>
+    inline Vector
+    column(const Dims *from, const unsigned int d)
+    {
+      Vector v = {};
+      for (unsigned int l = 0; l < simd::n_lanes<Vector>; ++l)
+        v[l] = from[l][d];
+      return v;
     }
 
     /// One-dimensional functions and gradients (L6) from the converged weights.
@@ -155,18 +168,21 @@ namespace selkie
     fill(const LineKernel &lines, const double h, Lines &result)
     {
       const Dims factor = 1. / lines.Z, slope = (-1. / h) / lines.variance;
+      const unsigned int n_padded = lme_padded(lines.n_nodes);
+      Dims               N[max_line], grad[max_line];
       lines.for_each_node([&](const unsigned int i, const Dims &w, Dims u) {
-        const Dims N = w * factor, grad = N * u * slope;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            result.N[d][i]    = N[d];
-            result.grad[d][i] = grad[d];
-          }
+        N[i]    = w * factor;
+        grad[i] = N[i] * u * slope;
       });
       // store_row computes with whole vectors: rubbish there would be slow.
+      for (unsigned int i = lines.n_nodes; i < n_padded; ++i)
+        N[i] = grad[i] = Dims{};
       for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = lines.n_nodes; i < lme_padded(lines.n_nodes); ++i)
-          result.N[d][i] = result.grad[d][i] = 0.;
+        for (unsigned int i = 0; i < n_padded; i += lanes)
+          {
+            simd::store(column<V>(N + i, d), result.N[d] + i);
+            simd::store(column<V>(grad + i, d), result.grad[d] + i);
+          }
     }
 
     /// to[i] = factor * line[i], 0 <= i < n; rubbish may follow up to room.
