@@ -69,10 +69,8 @@ namespace selkie
 
   namespace
   {
-    using V                         = simd::Native;
-    constexpr auto         aligned  = simd::stdx::vector_aligned;
-    constexpr auto         anywhere = simd::stdx::element_aligned;
-    constexpr unsigned int lanes    = V::size();
+    using V                      = simd::Native;
+    constexpr unsigned int lanes = simd::n_lanes<V>;
     static_assert(lme_padding % lanes == 0, "padding fills whole vectors");
 
     // Thresholds; lengths in units of h.
@@ -216,7 +214,7 @@ namespace selkie
     {
       Vectors<dim> d;
       for (unsigned int i = 0; i < dim; ++i)
-        d[i] = V(x[i]) - V(&nodes.x[i][a], aligned);
+        d[i] = x[i] - simd::load<V>(&nodes.x[i][a]);
       return d;
     }
 
@@ -224,9 +222,9 @@ namespace selkie
     inline V
     dot(const Vectors<dim> &d, const Tensor<1, dim> &vector)
     {
-      V sum = d[0] * V(vector[0]);
+      V sum = d[0] * vector[0];
       for (unsigned int i = 1; i < dim; ++i)
-        sum += d[i] * V(vector[i]);
+        sum += d[i] * vector[i];
       return sum;
     }
 
@@ -249,18 +247,18 @@ namespace selkie
     GeneralKernel<dim>::accumulate(const Exponential &exponential)
     {
       constexpr unsigned int n_second = dim * (dim + 1) / 2;
-      V                      zeroth(0.);
+      V                      zeroth   = {};
       std::array<V, dim>     first;
-      first.fill(V(0.));
+      first.fill(V{});
       std::array<V, n_second> second;
-      second.fill(V(0.));
+      second.fill(V{});
       for (unsigned int a = 0; a < nodes.n_padded; a += lanes)
         {
           const Vectors<dim> d = distances(nodes, x, a);
           V                  e = exponential(a, d);
           if (a + lanes > nodes.n)
-            where(simd::lane_numbers<V>() >= V(double(nodes.n) - a), e) = 0.;
-          e.copy_to(E + a, anywhere);
+            e = simd::first_lanes(e, double(nodes.n) - a);
+          simd::store(e, E + a);
           zeroth += e;
           for (unsigned int i = 0, ij = 0; i < dim; ++i)
             {
@@ -270,12 +268,12 @@ namespace selkie
                 second[ij] += ed * d[j];
             }
         }
-      Z = reduce(zeroth);
+      Z = simd::sum(zeroth);
       for (unsigned int i = 0; i < dim; ++i)
-        r[i] = reduce(first[i]) / Z;
+        r[i] = simd::sum(first[i]) / Z;
       for (unsigned int i = 0, ij = 0; i < dim; ++i)
         for (unsigned int j = i; j < dim; ++j, ++ij)
-          H[i][j] = H[j][i] = reduce(second[ij]) / Z - r[i] * r[j];
+          H[i][j] = H[j][i] = simd::sum(second[ij]) / Z - r[i] * r[j];
     }
 
     template <int dim>
@@ -285,8 +283,9 @@ namespace selkie
       lambda              = new_lambda;
       const auto evaluate = [&]() {
         accumulate([&](const unsigned int a, const Vectors<dim> &d) {
-          return simd::vexp(dot(d, lambda) -
-                            V(&nodes.beta[a], aligned) * square(d) - V(shift));
+          return simd::vexp(V(dot(d, lambda) -
+                              simd::load<V>(&nodes.beta[a]) * square(d) -
+                              shift));
         });
       };
       evaluate();
@@ -310,7 +309,7 @@ namespace selkie
         }
       lambda += step;
       accumulate([&](const unsigned int a, const Vectors<dim> &d) {
-        return V(E + a, anywhere) * simd::vexp_small(dot(d, step));
+        return simd::load<V>(E + a) * simd::vexp_small(dot(d, step));
       });
     }
 
@@ -318,15 +317,15 @@ namespace selkie
     double
     GeneralKernel<dim>::largest_exponent(const Tensor<1, dim> &at_lambda) const
     {
-      V largest(std::numeric_limits<double>::lowest());
+      V largest = simd::all<V>(std::numeric_limits<double>::lowest());
       for (unsigned int a = 0; a < nodes.n_padded; a += lanes)
         {
           const Vectors<dim> d = distances(nodes, x, a);
-          largest              = simd::stdx::max(largest,
-                                    dot(d, at_lambda) -
-                                      V(&nodes.beta[a], aligned) * square(d));
+          largest              = simd::max(largest,
+                              dot(d, at_lambda) -
+                                simd::load<V>(&nodes.beta[a]) * square(d));
         }
-      return hmax(largest);
+      return simd::largest_lane(largest);
     }
 
     template <int dim>
@@ -413,20 +412,20 @@ namespace selkie
     bool
     GeneralKernel<dim>::is_outside() const
     {
-      V smallest(std::numeric_limits<double>::max());
+      V largest = simd::all<V>(std::numeric_limits<double>::lowest());
       for (unsigned int a = 0; a < nodes.n_padded; a += lanes)
-        smallest = simd::stdx::min(smallest, dot(distances(nodes, x, a), r));
+        largest = simd::max(largest, V(-dot(distances(nodes, x, a), r)));
       return r.norm() > roundoff(x, h) &&
-             hmin(smallest) > 0.5 * r.norm_square();
+             simd::largest_lane(largest) < -0.5 * r.norm_square();
     }
 
     template <int dim>
     void
     GeneralKernel<dim>::normalise() const
     {
-      const V factor(1. / Z);
+      const double factor = 1. / Z;
       for (unsigned int a = 0; a < nodes.n_padded; a += lanes)
-        (V(E + a, anywhere) * factor).copy_to(E + a, anywhere);
+        simd::store(V(simd::load<V>(E + a) * factor), E + a);
     }
 
     template <int dim>
@@ -446,13 +445,14 @@ namespace selkie
         }
       for (unsigned int a = 0; a < nodes.n_padded; a += lanes)
         {
-          const V            N(E + a, anywhere);
-          const Vectors<dim> d = distances(nodes, x, a);
-          const V            two_beta =
-            nodes.uniform_beta ? V(0.) : V(2.) * V(&nodes.beta[a], aligned);
+          const V            N        = simd::load<V>(E + a);
+          const Vectors<dim> d        = distances(nodes, x, a);
+          V                  two_beta = {};
+          if (!nodes.uniform_beta)
+            two_beta = 2. * simd::load<V>(&nodes.beta[a]);
           for (unsigned int i = 0; i < dim; ++i)
-            (N * (dot(d, A[i]) - two_beta * d[i] + V(c[i])))
-              .copy_to(grad + i * nodes.n_padded + a, anywhere);
+            simd::store(V(N * (dot(d, A[i]) - two_beta * d[i] + c[i])),
+                        grad + i * nodes.n_padded + a);
         }
     }
 
@@ -463,13 +463,13 @@ namespace selkie
     {
       constexpr unsigned int n_second = dim * (dim + 1) / 2;
       std::array<V, dim>     first;
-      first.fill(V(0.));
+      first.fill(V{});
       std::array<V, n_second> second;
-      second.fill(V(0.));
+      second.fill(V{});
       for (unsigned int a = 0; a < nodes.n_padded; a += lanes)
         {
           const Vectors<dim> d = distances(nodes, x, a);
-          const V w = V(E + a, anywhere) * V(&nodes.beta[a], aligned);
+          const V w = simd::load<V>(E + a) * simd::load<V>(&nodes.beta[a]);
           for (unsigned int i = 0, ij = 0; i < dim; ++i)
             {
               first[i] += w * d[i];
@@ -479,9 +479,9 @@ namespace selkie
         }
       for (unsigned int i = 0, ij = 0; i < dim; ++i)
         {
-          m_beta[i] = reduce(first[i]);
+          m_beta[i] = simd::sum(first[i]);
           for (unsigned int j = i; j < dim; ++j, ++ij)
-            J_beta[i][j] = J_beta[j][i] = reduce(second[ij]);
+            J_beta[i][j] = J_beta[j][i] = simd::sum(second[ij]);
         }
     }
 

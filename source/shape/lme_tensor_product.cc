@@ -13,68 +13,67 @@ namespace selkie
   {
     using V    = simd::Native;
     using Dims = simd::Four; // the lanes are the space directions
-    constexpr auto         anywhere   = simd::stdx::element_aligned;
-    constexpr unsigned int lanes      = V::size();
+    constexpr unsigned int lanes      = simd::n_lanes<V>;
     constexpr unsigned int max_line   = 32;
     constexpr double       max_gamma  = 500.; // gamma (n-1)^2
     constexpr unsigned int max_steps  = 12;
     constexpr double       small_step = 0.01; // exponents: vexp_small suffices
     constexpr double       accurate_step = 1e-9; // nothing left to gain
-    constexpr double       wall_second   = 1e-4; // second moment near a wall
+    constexpr double       wall_variance = 1e-4; // less than this near a wall
 
     /// The one-dimensional functions along the lines of a box, node by node.
     struct Lines
     {
-      alignas(64) double N[3][max_line + lme_padding];
-      alignas(64) double grad[3][max_line + lme_padding];
+      alignas(64) double N[3][max_line];
+      alignas(64) double grad[3][max_line];
     };
 
     /**
-     * All directions at once, in units of h: t is the distance from the first
-     * node, nu = lambda h, and the exponent of node i is
-     * -gamma (t-i)^2 + nu (t-i) - shift.
+     * All directions at once, in units of h: t is the distance from node 0 and
+     * nu = lambda h. The weight of node i is exp(-gamma (t-i)^2 + nu (t-i)),
+     * relative to that of node 0.
      */
     struct LineKernel
     {
-      Dims         t, nu, gamma, decay, nearest, last;
+      Dims         t, nu, gamma, decay, last;
       unsigned int n_nodes; // of the longest line
 
-      Dims first, ratio; // weight of node 0; weight 1 / weight 0
-      Dims Z = 0., r = 0., H = 0.;
+      Dims ratio;                    // weight of node 1 / weight of node 0
+      Dims Z, r, variance, skewness; // the sums (L11)
 
-      /// Weights by exp, relative to that of the nearest node.
+      /// Start at nu.
       void
       evaluate()
       {
-        const Dims u     = t - nearest;
-        const Dims shift = u * (nu - gamma * u);
-        first            = simd::vexp(t * (nu - gamma * t) - shift);
-        ratio            = simd::vexp(gamma * (t + t - Dims(1.)) - nu);
+        ratio = simd::vexp(Dims(gamma * (t + t - 1.) - nu));
         accumulate();
       }
 
-      /// The same after a small step of nu, without exp.
       void
-      advance(const Dims &step)
+      advance(const Dims &step, const bool is_small)
       {
         nu += step;
-        first *= simd::vexp_small(step * t);
-        ratio *= simd::vexp_small(-step);
+        const Dims minus = -step;
+        ratio *= is_small ? simd::vexp_small(minus) : simd::vexp(minus);
         accumulate();
       }
 
-      /// The sums (L11).
       void
       accumulate()
       {
-        Z = r = H = Dims(0.);
+        Dims third = {};
+        Z = r = variance = Dims{};
         for_each_node([&](unsigned int, const Dims &w, const Dims &u) {
+          const Dims wu = w * u, wuu = wu * u;
           Z += w;
-          r += w * u;
-          H += w * u * u;
+          r += wu;
+          variance += wuu;
+          third += wuu * u;
         });
-        r /= Z;
-        H = H / Z - r * r;
+        const Dims factor = 1. / Z, second = variance * factor;
+        r *= factor;
+        variance = second - r * r;
+        skewness = third * factor - r * (2. * variance + second);
       }
 
       /// Call f(i, weight, t - i) for the nodes, by the recurrence (L12).
@@ -82,42 +81,44 @@ namespace selkie
       void
       for_each_node(const Function &f) const
       {
-        Dims w = first, rho = ratio, u = t;
+        Dims w = simd::all<Dims>(1.), rho = ratio, u = t;
+#pragma GCC unroll 1
         for (unsigned int i = 0; i < n_nodes; ++i)
           {
-            where(Dims(double(i)) > last, w) = 0.; // shorter lines
-            f(i, w, u);
+            // Shorter lines have no such node.
+            const Dims weight = (last < double(i) ? Dims{} : w);
+            f(i, weight, u);
             w *= rho;
             rho *= decay;
-            u -= Dims(1.);
+            u -= 1.;
           }
       }
     };
 
-    /// Newton's iteration in all directions; the number of steps, or 0 if it
-    /// does not converge quickly or a wall is near.
-    unsigned int
-    newton(LineKernel &lines, const double tolerance)
+    inline double
+    largest_magnitude(const Dims &v)
     {
-      using simd::stdx::abs;
+      return simd::largest_lane(simd::max(v, Dims(-v)));
+    }
+
+    /// Halley's iteration (L13) in all directions; the number of steps, or 0 if
+    /// it does not converge quickly or a wall is near.
+    inline __attribute__((always_inline)) unsigned int
+    solve(LineKernel &lines, const double tolerance)
+    {
       lines.evaluate();
       for (unsigned int i = 1; i <= max_steps; ++i)
         {
-          if (!all_of(lines.H > Dims(wall_second)))
+          const Dims &r = lines.r, &H = lines.variance;
+          if (!(simd::largest_lane(Dims(-H)) < -wall_variance))
             return 0;
-          const Dims step = -lines.r / lines.H;
-          if (all_of(abs(lines.r) < Dims(tolerance)) &&
-              all_of(abs(step) < Dims(accurate_step)))
+          const Dims   step   = -2. * r * H / (2. * H * H - r * lines.skewness);
+          const double length = largest_magnitude(step);
+          if (length < accurate_step && largest_magnitude(r) < tolerance)
             return i;
-          if (all_of(abs(step) * Dims(double(lines.n_nodes)) <
-                     Dims(small_step)))
-            lines.advance(step);
-          else
-            {
-              lines.nu +=
-                simd::stdx::min(Dims(4.), simd::stdx::max(Dims(-4.), step));
-              lines.evaluate();
-            }
+          lines.advance(simd::min(simd::all<Dims>(4.),
+                                  simd::max(simd::all<Dims>(-4.), step)),
+                        length * lines.n_nodes < small_step);
         }
       return 0;
     }
@@ -130,25 +131,35 @@ namespace selkie
                 const Point<dim>     &x,
                 const Tensor<1, dim> &lambda)
     {
-      alignas(32) double t[4] = {.5, .5, .5, .5}, last[4] = {1., 1., 1., 1.},
-                         nearest[4] = {}, nu[4] = {};
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          t[d]       = (x[d] - nodes.box_origin[d]) / nodes.h;
-          last[d]    = nodes.box_size[d] - 1.;
-          nearest[d] = std::min(std::max(std::floor(t[d] + .5), 0.), last[d]);
-          nu[d]      = lambda[d] * nodes.h;
-        }
-      LineKernel lines;
-      lines.t.copy_from(t, anywhere);
-      lines.last.copy_from(last, anywhere);
-      lines.nearest.copy_from(nearest, anywhere);
-      lines.nu.copy_from(nu, anywhere);
-      lines.gamma = nodes.beta[0] * nodes.h * nodes.h;
-      lines.decay = nodes.box_decay;
+      const auto last_node = [&](const unsigned int d) {
+        return nodes.box_size[d] - 1.;
+      };
+      const Tensor<1, dim>   t  = (x - nodes.box_origin) / nodes.h;
+      const Tensor<1, dim>   nu = lambda * nodes.h;
+      constexpr unsigned int z  = dim - 1;
+      LineKernel             lines;
+      lines.t  = Dims{t[0], t[1], dim == 3 ? t[z] : .5, .5};
+      lines.nu = Dims{nu[0], nu[1], dim == 3 ? nu[z] : 0., 0.};
+      lines.last =
+        Dims{last_node(0), last_node(1), dim == 3 ? last_node(z) : 1., 1.};
+      lines.gamma = simd::all<Dims>(nodes.beta[0] * nodes.h * nodes.h);
+      lines.decay = simd::all<Dims>(nodes.box_decay);
       lines.n_nodes =
         *std::max_element(nodes.box_size.begin(), nodes.box_size.end());
       return lines;
+    }
+
+    /// Component d of consecutive Dims. Vectors are put together in registers
+    /// here and in make_kernel(): to load what was just stored in pieces
+    /// stalls.
+    template <class Vector>
+    inline Vector
+    column(const Dims *from, const unsigned int d)
+    {
+      Vector v = {};
+      for (unsigned int l = 0; l < simd::n_lanes<Vector>; ++l)
+        v[l] = from[l][d];
+      return v;
     }
 
     /// One-dimensional functions and gradients (L6) from the converged weights.
@@ -156,29 +167,40 @@ namespace selkie
     void
     fill(const LineKernel &lines, const double h, Lines &result)
     {
-      const Dims factor = Dims(1.) / lines.Z, slope = Dims(-1. / h) / lines.H;
+      const Dims factor = 1. / lines.Z, slope = (-1. / h) / lines.variance;
+      const unsigned int n_padded = lme_padded(lines.n_nodes);
+      Dims               N[max_line], grad[max_line];
       lines.for_each_node([&](const unsigned int i, const Dims &w, Dims u) {
-        const Dims N = w * factor, grad = N * u * slope;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            result.N[d][i]    = N[d];
-            result.grad[d][i] = grad[d];
-          }
+        N[i]    = w * factor;
+        grad[i] = N[i] * u * slope;
       });
+      // store_row computes with whole vectors: rubbish there would be slow.
+      for (unsigned int i = lines.n_nodes; i < n_padded; ++i)
+        N[i] = grad[i] = Dims{};
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; i < n_padded; i += lanes)
+          {
+            simd::store(column<V>(N + i, d), result.N[d] + i);
+            simd::store(column<V>(grad + i, d), result.grad[d] + i);
+          }
     }
 
-    /// to[i] = factor * line[i], 0 <= i < n, and nothing beyond.
+    /// to[i] = factor * line[i], 0 <= i < n; rubbish may follow up to room.
     inline void
     store_row(const double       factor,
               const double      *line,
               const unsigned int n,
+              const unsigned int room,
               double            *to)
     {
-      const V numbers = simd::lane_numbers<V>();
       for (unsigned int i = 0; i < n; i += lanes)
         {
-          const V row = V(factor) * V(line + i, anywhere);
-          where(numbers < V(double(n) - i), row).copy_to(to + i, anywhere);
+          const V row = factor * simd::load<V>(line + i);
+          if (i + lanes <= room)
+            simd::store(row, to + i);
+          else
+            for (unsigned int l = 0; i + l < n; ++l)
+              to[i + l] = row[l];
         }
     }
 
@@ -198,20 +220,19 @@ namespace selkie
           const double N_z = (dim == 3 ? lines.N[2][k] : 1.);
           for (unsigned int j = 0; j < size[1]; ++j, row += size[0])
             {
+              const auto store =
+                [&](const double factor, const double *line, double *to) {
+                  store_row(
+                    factor, line, size[0], nodes.n_padded - row, to + row);
+                };
               const double N_yz = lines.N[1][j] * N_z;
-              store_row(N_yz, lines.N[0], size[0], N + row);
+              store(N_yz, lines.N[0], N);
               if (grad == nullptr)
                 continue;
-              store_row(N_yz, lines.grad[0], size[0], grad + row);
-              store_row(lines.grad[1][j] * N_z,
-                        lines.N[0],
-                        size[0],
-                        grad_y + row);
+              store(N_yz, lines.grad[0], grad);
+              store(lines.grad[1][j] * N_z, lines.N[0], grad_y);
               if (dim == 3)
-                store_row(lines.N[1][j] * lines.grad[2][k],
-                          lines.N[0],
-                          size[0],
-                          grad_z + row);
+                store(lines.N[1][j] * lines.grad[2][k], lines.N[0], grad_z);
             }
         }
       for (unsigned int a = nodes.n; a < nodes.n_padded; ++a)
@@ -240,7 +261,7 @@ namespace selkie
       return 0;
     // The lengths of r along the directions add up: share the tolerance.
     const unsigned int n_steps =
-      newton(lines, settings.tolerance / std::sqrt(double(dim)));
+      solve(lines, settings.tolerance / std::sqrt(double(dim)));
     if (n_steps == 0)
       return 0;
 
