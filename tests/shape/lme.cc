@@ -264,11 +264,11 @@ TYPED_TEST(Lme, GradedNodesWithNodewiseBeta)
 
 
 // From 0.1 h to 1e-10 h, and on the wall, for n_walls walls that meet (1: wall,
-// 2: edge in 3D and corner in 2D, 3: corner in 3D). N is held to the usual
-// tolerances. The gradient's identities have 1e-7: H^-1 is h/eps, so round-off
-// of 1e-16 in r and H gives 1e-16 h/eps until the inward shift of 1e-8 h takes
-// over. At these walls, along the axes, much less is seen; the oblique walls
-// below come near.
+// 2: edge in 3D and corner in 2D, 3: corner in 3D). The gradients' identities
+// are seen to hold to 9e-11 here, where the walls are along the axes and
+// distances to them are exact; 1e-9 leaves room for other round-off. These are
+// the identities; the gradient itself is in error by about 1e-8/h where the
+// inward shift (L8) is used, see LimitAtTheWallIsLinear.
 TYPED_TEST(Lme, TowardsWallsEdgesAndCorners)
 {
   constexpr int dim   = TypeParam::value;
@@ -284,7 +284,7 @@ TYPED_TEST(Lme, TowardsWallsEdgesAndCorners)
           const auto   nodes = grid_near(x, 1., gamma);
           const auto   v     = evaluate(nodes, x);
           const Errors e     = identities(nodes, x, v);
-          expect_identities(nodes, x, v, 1e-7);
+          expect_identities(nodes, x, v, 1e-9);
           EXPECT_LT(v.lambda.norm(), 100.);
           worst = std::max({worst, e.grad_unity, e.grad_linear});
         }
@@ -296,6 +296,7 @@ TYPED_TEST(Lme, TowardsWallsEdgesAndCorners)
 // The same for walls at 45 and other degrees: the grid is rotated.
 TEST(LmeWalls, Oblique)
 {
+  double worst = 0.;
   for (const double gamma : gammas)
     for (const double angle : {0.1, 0.7853981633974483, 1.2})
       for (int n_walls = 1; n_walls <= 2; ++n_walls)
@@ -315,10 +316,14 @@ TEST(LmeWalls, Oblique)
             nodes.reinit(points, std::vector<double>(straight.n, gamma), 1.);
             const Point<2> x = rotate(y);
             const auto     v = evaluate(nodes, x), w = evaluate(straight, y);
-            expect_identities(nodes, x, v, 1e-6);
+            // Seen: 6e-8, which is round-off 1e-16 h/eps at eps = 1e-9 h.
+            expect_identities(nodes, x, v, 3e-7);
+            const Errors e = identities(nodes, x, v);
+            worst          = std::max({worst, e.grad_unity, e.grad_linear});
             for (unsigned int a = 0; a < nodes.n; ++a)
               EXPECT_NEAR(v.N[a], w.N[a], 1e-12);
           }
+  RecordProperty("worst_gradient_identity_1e12", std::to_string(1e12 * worst));
 }
 
 
@@ -346,7 +351,7 @@ TYPED_TEST(Lme, LimitAtTheWallIsLinear)
               N[nodes.x[0][a] > 0.5] += v.N[a];
               grad[nodes.x[0][a] > 0.5] += v.grad[a];
             }
-        const double tolerance = 1e-7 + 5. * eps; // 1e-7: as above
+        const double tolerance = 1e-7 + 5. * eps; // 1e-7: the shift (L8)
         EXPECT_NEAR(grad[0], -1., tolerance);
         EXPECT_NEAR(grad[1], 1., tolerance);
         EXPECT_NEAR(N[1], eps, 5. * eps * eps + 1e-15);
