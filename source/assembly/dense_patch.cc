@@ -1,24 +1,22 @@
 #include <selkie/assembly/dense_patch.h>
 #include <selkie/shape/lme.h>
-
-#include <experimental/simd>
+#include <selkie/shape/simd.h>
 
 namespace selkie
 {
   using namespace dealii;
-  namespace stdx = std::experimental;
 
   namespace
   {
-    using Lanes                  = stdx::native_simd<double>;
-    constexpr unsigned int lanes = Lanes::size();
+    using Lanes                  = simd::Native;
+    constexpr unsigned int lanes = simd::n_lanes<Lanes>;
     static_assert(lme_padding % lanes == 0,
                   "node lists must be padded to full lanes");
 
     Lanes
-    load(const double *address)
+    load(const double *from)
     {
-      return Lanes(address, stdx::element_aligned);
+      return simd::load<Lanes>(from);
     }
   } // namespace
 
@@ -39,10 +37,10 @@ namespace selkie
   double
   DensePatch<dim>::value(const double *values, const double *N) const
   {
-    Lanes sum = 0.;
+    Lanes sum{};
     for (unsigned int a = 0; a < n_padded; a += lanes)
       sum += load(values + a) * load(N + a);
-    return stdx::reduce(sum);
+    return simd::sum(sum);
   }
 
   template <int dim>
@@ -77,7 +75,7 @@ namespace selkie
                 Lanes   sum = load(r) + form.source[i] * N_a;
                 for (unsigned int j = 0; j < dim; ++j)
                   sum += form.flux[i][j] * load(G + j * n_padded + a);
-                sum.copy_to(r, stdx::element_aligned);
+                simd::store(sum, r);
               }
             if (patch.fluid && patch.integration)
               {
@@ -86,7 +84,7 @@ namespace selkie
                   load(r) + N_a * (form.p_source +
                                    form.lumped * (load(p.data() + a) -
                                                   state.kinematics[q].p));
-                sum.copy_to(r, stdx::element_aligned);
+                simd::store(sum, r);
               }
           }
       }
@@ -169,10 +167,7 @@ namespace selkie
                                   n_padded;
           for (unsigned int b = 0; b < n_padded; b += lanes)
             {
-              Lanes sum[n_components][n_components];
-              for (auto &line : sum)
-                for (auto &entry : line)
-                  entry = 0.;
+              Lanes sum[n_components][n_components] = {};
               for (unsigned int q = 0; q < patch.n_points; ++q)
                 {
                   const double *N   = state.table->N(patch, q);
@@ -190,8 +185,8 @@ namespace selkie
                 }
               for (unsigned int i = 0; i < n_components; ++i)
                 for (unsigned int k = 0; k < n_components; ++k)
-                  sum[i][k].copy_to(row + (i * n_components + k) * n_padded + b,
-                                    stdx::element_aligned);
+                  simd::store(sum[i][k],
+                              row + (i * n_components + k) * n_padded + b);
             }
           if constexpr (n_components > dim)
             row[(dim * n_components + dim) * n_padded + a] += lumped;
