@@ -1,3 +1,5 @@
+// Boost 1.74's property tree notes its own use of bind otherwise.
+#define BOOST_BIND_GLOBAL_PLACEHOLDERS
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/output/checkpoint.h>

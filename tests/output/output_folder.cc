@@ -1,3 +1,5 @@
+// Boost 1.74's property tree notes its own use of bind otherwise.
+#define BOOST_BIND_GLOBAL_PLACEHOLDERS
 #include <selkie/base/exceptions.h>
 #include <selkie/base/log.h>
 #include <selkie/output/banner.h>
@@ -91,8 +93,7 @@ TEST(Log, FileStartsWithWhatWasSaidBefore)
   }
   const std::string screen = testing::internal::GetCapturedStdout();
   EXPECT_EQ(read_text(folder.path + "/log.txt"), "one\ntwo\nthree\n");
-  if (screen.find('\r') == std::string::npos) // not a terminal
-    EXPECT_EQ(screen, "one\ntwo\nthree\n");
+  EXPECT_EQ(screen, "one\ntwo\nthree\n"); // captured: not a terminal
 }
 
 TEST(Banner, NamesVersionsAndRanks)

@@ -1,3 +1,5 @@
+// Boost 1.74's property tree notes its own use of bind otherwise.
+#define BOOST_BIND_GLOBAL_PLACEHOLDERS
 #include <selkie/output/vtu.h>
 
 #include <boost/property_tree/xml_parser.hpp>
@@ -145,6 +147,7 @@ TEST(VtuMPI, MeshHasNodalFields)
     listed(folder.path + "/mesh.pvd", "VTKFile.Collection", "file");
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(count(folder.path + '/' + files[0], "NumberOfCells"), 64u);
-  EXPECT_EQ(fields(folder.path + '/' + files[0]),
-            std::set<std::string>({"pressure", "velocity"}));
+  const auto names = fields(folder.path + '/' + files[0]);
+  EXPECT_EQ(names.size(), 2u);
+  EXPECT_EQ(names.count("pressure") + names.count("velocity"), 2u);
 }
