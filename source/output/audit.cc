@@ -2,6 +2,8 @@
 #include <selkie/laws/newtonian_fluid.h>
 #include <selkie/output/audit.h>
 
+#include <deal.II/base/mpi.templates.h> // all_reduce of own types
+
 #include <algorithm>
 
 namespace selkie

@@ -1,9 +1,8 @@
+#include <selkie/output/files.h>
 #include <selkie/output/json.h>
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <stdexcept>
 
 namespace selkie
 {
@@ -112,9 +111,6 @@ namespace selkie
   void
   JsonObject::write(const std::string &path) const
   {
-    std::ofstream file(path);
-    file << text() << '\n';
-    if (!file.flush())
-      throw std::runtime_error("cannot write '" + path + "'");
+    write_text(path, text() + '\n');
   }
 } // namespace selkie

@@ -1,12 +1,9 @@
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
+#include <selkie/output/files.h>
 #include <selkie/output/output_folder.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
 namespace selkie
@@ -14,24 +11,6 @@ namespace selkie
   namespace
   {
     namespace fs = std::filesystem;
-
-    void
-    write_text(const fs::path &path, const std::string &text)
-    {
-      std::ofstream file(path);
-      file << text;
-      if (!file.flush())
-        throw SceneError("'" + path.string() + "': " + std::strerror(errno));
-    }
-
-    std::string
-    read_text(const fs::path &path)
-    {
-      std::ifstream      file(path);
-      std::ostringstream text;
-      text << file.rdbuf();
-      return text.str();
-    }
 
     /// Removes the files in a folder that begin and end so, if it exists.
     void
@@ -87,9 +66,9 @@ namespace selkie
     {
       fs::create_directories(folder / "solution");
       fs::create_directories(folder / "probes");
-      write_text(folder / "original.prm", original);
+      write_text((folder / "original.prm").string(), original);
       remove_earlier_run(folder);
-      write_text(folder / "parameters.prm", parameters);
+      write_text((folder / "parameters.prm").string(), parameters);
     }
   } // namespace
 

@@ -3,6 +3,8 @@
 #include <selkie/output/audit.h>
 #include <selkie/output/probes.h>
 
+#include <deal.II/base/mpi.templates.h> // all_reduce of own types
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -139,21 +141,20 @@ namespace selkie
   std::vector<typename Probes<dim>::Sums>
   Probes<dim>::sums_of_curves() const
   {
-    std::vector<Sums> mine(curves.size());
+    std::vector<Sums> of_curves(curves.size());
     for (const auto &point : particles.handler())
       for (unsigned int c = 0; c < curves.size(); ++c)
         if (selects(curves[c], point.get_properties()))
-          mine[c].add(sums_of_point(point));
+          of_curves[c].add(sums_of_point(point));
 
-    return dealii::Utilities::MPI::all_reduce<std::vector<Sums>>(
-      mine,
-      particles.communicator(),
-      [](const std::vector<Sums> &a, const std::vector<Sums> &b) {
-        std::vector<Sums> both = a;
-        for (unsigned int c = 0; c < both.size(); ++c)
-          both[c].add(b[c]);
-        return both;
-      });
+    for (Sums &sums : of_curves)
+      sums = dealii::Utilities::MPI::all_reduce<Sums>(
+        sums, particles.communicator(), [](const Sums &a, const Sums &b) {
+          Sums both = a;
+          both.add(b);
+          return both;
+        });
+    return of_curves;
   }
 
 

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <selkie/particles/particle_set.h>
+
+#include <string>
+
+namespace selkie
+{
+  /// Where a run stood when a checkpoint was written.
+  struct CheckpointState
+  {
+    double             time = 0; ///< s
+    unsigned int       step = 0; ///< number of steps done
+    double             dt   = 0; ///< of the next step (s)
+    ParticleAccounting accounting;
+  };
+
+  /**
+   * Writes `directory`/checkpoint/NNN/, NNN being the step: the mesh with the
+   * material points, the handler's counters and checkpoint.json (the state,
+   * number and mass of the points, the columns that they carry). When all of
+   * it is on disk, `directory`/checkpoint/last_good is made to name it. The
+   * one that was last good before is kept, older ones are removed. Collective.
+   * @return the checkpoint's folder
+   * @throw std::runtime_error, on all ranks, if it cannot be written.
+   */
+  template <int dim>
+  std::string
+  write_checkpoint(const std::string                                 &directory,
+                   const Scene<dim>                                  &scene,
+                   ParticleSet<dim>                                  &particles,
+                   dealii::parallel::distributed::Triangulation<dim> &mesh,
+                   const double                                       time,
+                   const unsigned int                                 step,
+                   const double                                       dt);
+
+  /// The folder of the checkpoint that `directory`/checkpoint/last_good names.
+  /// @throw SceneError if there is none.
+  std::string
+  last_good_checkpoint(const std::string &directory);
+
+  /**
+   * Takes mesh and material points from a checkpoint, on any number of ranks.
+   * The mesh is as make_background_mesh() gave it, the set has no points yet.
+   * What hangs on the mesh must be built afterwards. Collective.
+   * @param folder of the checkpoint
+   * @throw SceneError, on all ranks, if it is unreadable, or if its points do
+   * not carry the columns that the scene asks for.
+   */
+  template <int dim>
+  CheckpointState
+  read_checkpoint(const std::string                                 &folder,
+                  ParticleSet<dim>                                  &particles,
+                  dealii::parallel::distributed::Triangulation<dim> &mesh);
+} // namespace selkie

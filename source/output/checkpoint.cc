@@ -1,0 +1,263 @@
+// Boost 1.74's property tree notes its own use of bind otherwise.
+#define BOOST_BIND_GLOBAL_PLACEHOLDERS
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
+#include <selkie/output/checkpoint.h>
+#include <selkie/output/files.h>
+#include <selkie/output/json.h>
+
+#include <boost/archive/text_iarchive.hpp>
+#include <boost/archive/text_oarchive.hpp>
+#include <boost/property_tree/json_parser.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+namespace selkie
+{
+  namespace
+  {
+    namespace fs = std::filesystem;
+
+    /// Runs an action on rank 0; its failure is thrown on all ranks.
+    template <typename Error, typename Action>
+    void
+    on_root(const MPI_Comm comm, const Action &action)
+    {
+      std::string failure;
+      if (dealii::Utilities::MPI::this_mpi_process(comm) == 0)
+        try
+          {
+            action();
+          }
+        catch (const std::exception &error)
+          {
+            failure = std::string("checkpoint: ") + error.what();
+          }
+      throw_on_all_ranks<Error>(comm, failure);
+    }
+
+    /// e.g. "000120"; sorts by step.
+    std::string
+    folder_name(const unsigned int step)
+    {
+      const std::string number = std::to_string(step);
+      return std::string(6 - std::min<std::size_t>(6, number.size()), '0') +
+             number;
+    }
+
+    /// The columns that a point carries, as one text to compare.
+    std::string
+    columns_text(const ParticleFields &fields)
+    {
+      std::string text;
+      for (const ParticleFields::Entry &entry : fields.entries())
+        text += (text.empty() ? "" : ", ") + entry.name + " x " +
+                std::to_string(entry.n_components);
+      return text;
+    }
+
+    JsonObject
+    to_json(const CheckpointState &state)
+    {
+      JsonObject json;
+      json.add("time", state.time);
+      json.add("step", state.step);
+      json.add("dt", state.dt);
+      json.add("seeded", state.accounting.seeded);
+      json.add("removed", state.accounting.removed);
+      json.add("kept at wall", state.accounting.kept_at_wall);
+      json.add("seeded mass", state.accounting.seeded_mass);
+      json.add("removed mass", state.accounting.removed_mass);
+      return json;
+    }
+
+    CheckpointState
+    from_json(const boost::property_tree::ptree &json)
+    {
+      CheckpointState state;
+      state.time               = json.get<double>("time");
+      state.step               = json.get<unsigned int>("step");
+      state.dt                 = json.get<double>("dt");
+      state.accounting.seeded  = json.get<unsigned long long>("seeded");
+      state.accounting.removed = json.get<unsigned long long>("removed");
+      state.accounting.kept_at_wall =
+        json.get<unsigned long long>("kept at wall");
+      state.accounting.seeded_mass  = json.get<double>("seeded mass");
+      state.accounting.removed_mass = json.get<double>("removed mass");
+      return state;
+    }
+
+    /// Names the new checkpoint and removes all but it and the previous one.
+    void
+    mark_good(const fs::path &checkpoints, const std::string &name)
+    {
+      const fs::path    mark = checkpoints / "last_good";
+      const std::string previous =
+        fs::exists(mark) ? read_text(mark.string()) : "";
+      write_text((checkpoints / "last_good.new").string(), name);
+      fs::rename(checkpoints / "last_good.new", mark);
+
+      std::vector<fs::path> old;
+      for (const auto &entry : fs::directory_iterator(checkpoints))
+        {
+          const std::string found = entry.path().filename().string();
+          if (entry.is_directory() && found != name && found != previous &&
+              found.find_first_not_of("0123456789") == std::string::npos)
+            old.push_back(entry.path());
+        }
+      for (const fs::path &folder : old)
+        fs::remove_all(folder);
+    }
+
+    template <int dim>
+    JsonObject
+    description(const Scene<dim>       &scene,
+                const ParticleSet<dim> &particles,
+                const CheckpointState  &state)
+    {
+      JsonObject json;
+      json.add("scene", scene.file);
+      json.add("dim", dim);
+      json.add("ranks",
+               dealii::Utilities::MPI::n_mpi_processes(
+                 particles.communicator()));
+      json.add("points", particles.handler().n_global_particles());
+      json.add("columns", columns_text(particles.fields));
+      json.add("state", to_json(state));
+      return json;
+    }
+
+    /// Reads checkpoint.json and compares it with the scene that resumes.
+    boost::property_tree::ptree
+    read_description(const fs::path       &folder,
+                     const ParticleFields &fields,
+                     const unsigned int    dim)
+    {
+      boost::property_tree::ptree json;
+      boost::property_tree::read_json((folder / "checkpoint.json").string(),
+                                      json);
+      const std::string columns = columns_text(fields);
+      if (json.get<unsigned int>("dim") != dim ||
+          json.get<std::string>("columns") != columns)
+        throw SceneError(
+          "'" + folder.string() + "' is of a " + json.get<std::string>("dim") +
+          "D scene whose points carry " + json.get<std::string>("columns") +
+          "; this scene has " + std::to_string(dim) + "D points that carry " +
+          columns);
+      return json;
+    }
+  } // namespace
+
+
+  template <int dim>
+  std::string
+  write_checkpoint(const std::string                                 &directory,
+                   const Scene<dim>                                  &scene,
+                   ParticleSet<dim>                                  &particles,
+                   dealii::parallel::distributed::Triangulation<dim> &mesh,
+                   const double                                       time,
+                   const unsigned int                                 step,
+                   const double                                       dt)
+  {
+    const MPI_Comm        comm        = particles.communicator();
+    const fs::path        checkpoints = fs::path(directory) / "checkpoint";
+    const std::string     name        = folder_name(step);
+    const fs::path        folder      = checkpoints / name;
+    const CheckpointState state{time, step, dt, particles.accounting};
+
+    on_root<std::runtime_error>(comm, [&]() {
+      fs::remove_all(folder);
+      fs::create_directories(folder);
+    });
+
+    particles.handler().prepare_for_serialization();
+    mesh.save((folder / "mesh").string());
+
+    on_root<std::runtime_error>(comm, [&]() {
+      std::ostringstream            counters;
+      boost::archive::text_oarchive archive(counters);
+      archive << std::as_const(particles).handler();
+      write_text((folder / "points").string(), counters.str());
+      description(scene, particles, state)
+        .write((folder / "checkpoint.json").string());
+      mark_good(checkpoints, name);
+    });
+    return folder.string();
+  }
+
+
+  std::string
+  last_good_checkpoint(const std::string &directory)
+  {
+    const std::string checkpoints = directory + "/checkpoint/";
+    if (!fs::exists(checkpoints + "last_good"))
+      throw SceneError("there is no checkpoint in '" + directory + "'");
+    return checkpoints + read_text(checkpoints + "last_good");
+  }
+
+
+  template <int dim>
+  CheckpointState
+  read_checkpoint(const std::string                                 &folder,
+                  ParticleSet<dim>                                  &particles,
+                  dealii::parallel::distributed::Triangulation<dim> &mesh)
+  {
+    const MPI_Comm              comm = particles.communicator();
+    boost::property_tree::ptree json;
+    std::string                 failure;
+    try
+      {
+        json = read_description(folder, particles.fields, dim);
+      }
+    catch (const std::exception &error)
+      {
+        failure = std::string("cannot resume: ") + error.what();
+      }
+    throw_on_all_ranks<SceneError>(comm, failure);
+
+    // On as many ranks as before, every rank gets what it had.
+    const bool other_ranks = json.get<unsigned int>("ranks") !=
+                             dealii::Utilities::MPI::n_mpi_processes(comm);
+    mesh.load(folder + "/mesh", other_ranks);
+    std::istringstream            counters(read_text(folder + "/points"));
+    boost::archive::text_iarchive archive(counters);
+    archive >> particles.handler();
+    particles.handler().deserialize();
+
+    const CheckpointState state = from_json(json.get_child("state"));
+    particles.accounting        = state.accounting;
+    if (other_ranks)
+      particles.rebalance();
+    return state;
+  }
+
+
+  template std::string
+  write_checkpoint(const std::string &,
+                   const Scene<2> &,
+                   ParticleSet<2> &,
+                   dealii::parallel::distributed::Triangulation<2> &,
+                   const double,
+                   const unsigned int,
+                   const double);
+  template std::string
+  write_checkpoint(const std::string &,
+                   const Scene<3> &,
+                   ParticleSet<3> &,
+                   dealii::parallel::distributed::Triangulation<3> &,
+                   const double,
+                   const unsigned int,
+                   const double);
+
+  template CheckpointState
+  read_checkpoint(const std::string &,
+                  ParticleSet<2> &,
+                  dealii::parallel::distributed::Triangulation<2> &);
+  template CheckpointState
+  read_checkpoint(const std::string &,
+                  ParticleSet<3> &,
+                  dealii::parallel::distributed::Triangulation<3> &);
+} // namespace selkie

@@ -1,0 +1,153 @@
+// Boost 1.74's property tree notes its own use of bind otherwise.
+#define BOOST_BIND_GLOBAL_PLACEHOLDERS
+#include <selkie/output/vtu.h>
+
+#include <boost/property_tree/xml_parser.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "../temporary_folder.h"
+#include "block.h"
+
+using namespace selkie;
+using namespace selkie::test;
+
+namespace
+{
+  using Tree = boost::property_tree::ptree;
+
+  Tree
+  read(const std::string &path)
+  {
+    Tree tree;
+    boost::property_tree::read_xml(path, tree);
+    return tree;
+  }
+
+  /// The files that a .pvd or .pvtu names.
+  std::vector<std::string>
+  listed(const std::string &path,
+         const std::string &node,
+         const char        *attribute)
+  {
+    std::vector<std::string> files;
+    for (const auto &[name, child] : read(path).get_child(node))
+      if (child.count("<xmlattr>") == 1 &&
+          child.get_child("<xmlattr>").count(attribute) == 1)
+        files.push_back(
+          child.get<std::string>("<xmlattr>." + std::string(attribute)));
+    return files;
+  }
+
+  /// Sum of an attribute over all pieces of a .pvtu.
+  unsigned long long
+  count(const std::string &pvtu, const std::string &attribute)
+  {
+    unsigned long long sum    = 0;
+    const auto         folder = std::filesystem::path(pvtu).parent_path();
+    for (const std::string &piece :
+         listed(pvtu, "VTKFile.PUnstructuredGrid", "Source"))
+      for (const auto &[name, child] : read((folder / piece).string())
+                                         .get_child("VTKFile.UnstructuredGrid"))
+        if (name == "Piece")
+          sum += child.get<unsigned long long>("<xmlattr>." + attribute);
+    return sum;
+  }
+
+  std::set<std::string>
+  fields(const std::string &pvtu)
+  {
+    std::set<std::string> names;
+    for (const std::string &name :
+         listed(pvtu, "VTKFile.PUnstructuredGrid.PPointData", "Name"))
+      names.insert(name);
+    return names;
+  }
+
+  /// A folder with solution/.
+  struct OutputFolder : TemporaryFolder
+  {
+    OutputFolder()
+      : TemporaryFolder(MPI_COMM_WORLD)
+    {
+      std::filesystem::create_directories(path + "/solution");
+      MPI_Barrier(MPI_COMM_WORLD);
+    }
+  };
+
+  template <int dim>
+  void
+  check_particles(const Scene<dim> &scene, const bool with_solid)
+  {
+    const OutputFolder folder;
+    Matter<dim>        matter(scene);
+    VtuWriter<dim>     writer(folder.path, matter.particles);
+    writer.write(0., 0, nullptr);
+    writer.write(0.1, 7, nullptr);
+    MPI_Barrier(MPI_COMM_WORLD);
+
+    const auto files =
+      listed(folder.path + "/particles.pvd", "VTKFile.Collection", "file");
+    ASSERT_EQ(files.size(), 2u);
+    const std::string last = folder.path + '/' + files[1];
+    EXPECT_EQ(count(last, "NumberOfPoints"),
+              matter.particles.handler().n_global_particles());
+    const auto names = fields(last);
+    for (const char *name : {"body", "id", "velocity", "volume ratio"})
+      EXPECT_EQ(names.count(name), 1u) << name;
+    for (const char *name : {"displacement", "Cauchy stress"})
+      EXPECT_EQ(names.count(name), with_solid ? 1u : 0u) << name;
+    EXPECT_FALSE(std::filesystem::exists(folder.path + "/mesh.pvd"));
+  }
+} // namespace
+
+TEST(VtuMPI, Particles2D)
+{
+  check_particles<2>(two_blocks<2>(), true);
+}
+
+TEST(VtuMPI, Particles3D)
+{
+  check_particles<3>(two_blocks<3>(), true);
+}
+
+TEST(VtuMPI, FluidInOneCellLeavesRanksWithoutPoints)
+{
+  Scene<2> scene = two_blocks<2>();
+  scene.bodies.erase(scene.bodies.begin());
+  scene.bodies[0].shape =
+    std::make_shared<Block<2>>(dealii::Point<2>(),
+                               dealii::Point<2>(0.125, 0.125));
+  check_particles<2>(scene, false);
+}
+
+TEST(VtuMPI, MeshHasNodalFields)
+{
+  const OutputFolder folder;
+  Matter<2>          matter(two_blocks<2>());
+  NodeCloud<2>       cloud(*matter.mesh, 3., 1e-6);
+
+  using Field = NodalOutput<2>::Field;
+  NodalOutput<2> output;
+  output.cloud = &cloud;
+  Field p(cloud.partitioner());
+  for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+    p.local_element(node) = cloud.position(node)[0];
+  p.update_ghost_values();
+  output.scalars.emplace_back("pressure", p);
+  output.vectors.emplace_back("velocity", std::array<Field, 2>{{p, p}});
+
+  VtuWriter<2> writer(folder.path, matter.particles);
+  writer.write(0., 0, &output);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const auto files =
+    listed(folder.path + "/mesh.pvd", "VTKFile.Collection", "file");
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(count(folder.path + '/' + files[0], "NumberOfCells"), 64u);
+  const auto names = fields(folder.path + '/' + files[0]);
+  EXPECT_EQ(names.size(), 2u);
+  EXPECT_EQ(names.count("pressure") + names.count("velocity"), 2u);
+}
