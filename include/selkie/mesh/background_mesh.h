@@ -3,7 +3,6 @@
 #include <selkie/scene/scene.h>
 
 #include <deal.II/base/mpi.h>
-
 #include <deal.II/distributed/tria.h>
 
 #include <memory>
@@ -12,9 +11,11 @@ namespace selkie
 {
   /**
    * The scene's background mesh: a box of hypercubes on p4est, refined where
-   * the scene asks for it, with 2:1 balance. Boundary id = index of the wall
-   * (x-, x+, y-, …). Particle counts are the weights of the partition: the
-   * signal is connected by ParticleSet.
+   * the scene asks for it, with 2:1 balance over faces, edges and corners.
+   * Boundary id = index of the wall (x-, x+, y-, …). The largest common power
+   * of two of Domain::cells is made by global refinement, so that the coarse
+   * mesh that every rank keeps is small. Particle counts are the weights of
+   * the partition: the signal is connected by ParticleSet.
    */
   template <int dim>
   std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>

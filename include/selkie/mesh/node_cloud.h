@@ -1,16 +1,16 @@
 #pragma once
 
+#include <selkie/mesh/cell_locator.h>
+
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/partitioner.h>
 #include <deal.II/base/point.h>
-
 #include <deal.II/distributed/tria.h>
-
 #include <deal.II/dofs/dof_handler.h>
-
 #include <deal.II/fe/fe_q.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -25,10 +25,13 @@ namespace selkie
    * of their global numbers, then the halo, in that order too: the numbering
    * of partitioner(). The halo holds every node that lies within its own reach
    * R_a = h_a sqrt(-ln(tolerance)/gamma) of a cell that this rank owns; it is
-   * wider than p4est's one ghost layer. It depends on mesh and partition only,
-   * so it is built once per mesh.
+   * wider than p4est's one ghost layer. It depends on mesh and partition only:
+   * build a new cloud after each refinement or repartition.
    *
    * h_a is the smallest extent of the cells around the node.
+   *
+   * The mesh is one of make_background_mesh(). Construction is collective;
+   * everything else is local.
    */
   template <int dim>
   class NodeCloud
@@ -40,6 +43,10 @@ namespace selkie
       const dealii::parallel::distributed::Triangulation<dim> &triangulation,
       const double                                             lme_gamma,
       const double                                             tolerance);
+    ~NodeCloud();
+    NodeCloud(const NodeCloud &) = delete;
+    NodeCloud &
+    operator=(const NodeCloud &) = delete;
 
     /// Owned nodes; the local indices [0, n_owned()).
     unsigned int
@@ -55,6 +62,10 @@ namespace selkie
     /// h_a (m).
     double
     spacing(const unsigned int node) const;
+
+    /// R_a (m).
+    double
+    reach(const unsigned int node) const;
 
     /// beta_a = gamma / h_a^2 (1/m^2).
     double
@@ -80,13 +91,55 @@ namespace selkie
     corners(const Cell &cell) const;
 
     /// All nodes whose reach touches the box of a locally owned cell, as local
-    /// indices, sorted by global index (the same list on any partition).
-    /// Found once per cell and kept.
+    /// indices. Sorted by position (the last coordinate varies slowest), so
+    /// that the list names the same nodes in the same order on any partition;
+    /// global indices depend on it. Found once per cell and kept.
     const std::vector<unsigned int> &
     nodes_near(const Cell &cell) const;
+
+    /// Number of cells of the mesh that have the node as a corner.
+    unsigned int
+    n_cells_around(const unsigned int node) const;
+
+    /// The node's share of the cells around it (m^dim).
+    double
+    volume(const unsigned int node) const;
 
     /// Smallest h of the whole mesh (m).
     double
     smallest_spacing() const;
+
+  private:
+    struct Node;
+    struct Tree;
+
+    std::vector<Node>
+    owned_nodes(const CellLocator<dim> &locator) const;
+    std::vector<Node>
+    halo_nodes(const std::vector<Node> &owned) const;
+    void
+    store(const std::vector<Node> &owned, const std::vector<Node> &halo);
+    void
+    store_corners();
+
+    const double                                             gamma;
+    const double                                             reach_per_spacing;
+    const dealii::parallel::distributed::Triangulation<dim> &mesh;
+    dealii::FE_Q<dim>                                        element;
+    dealii::DoFHandler<dim>                                  dofs;
+    double                                                   smallest;
+
+    std::vector<dealii::Point<dim>> positions;
+    std::vector<double>             spacings, volumes;
+    std::vector<unsigned int>       cells_around;
+    /// Place of each local node in the order of positions.
+    std::vector<unsigned int>   rank_of_position;
+    std::unique_ptr<const Tree> tree; ///< boxes of the nodes' reaches
+
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
+
+    /// By active cell index; empty where not (yet) known.
+    std::vector<std::array<unsigned int, (1u << dim)>> cell_corners;
+    mutable std::vector<std::vector<unsigned int>>     near;
   };
 } // namespace selkie

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <deal.II/base/array_view.h>
+#include <deal.II/base/exceptions.h>
 #include <deal.II/base/tensor.h>
 
+#include <algorithm>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -28,13 +30,34 @@ namespace selkie
     }
 
     T
-    operator()(const dealii::ArrayView<const double> &properties) const;
+    operator()(const dealii::ArrayView<const double> &properties) const
+    {
+      Assert(exists(), dealii::ExcMessage("This column was not registered."));
+      if constexpr (std::is_same<T, double>::value)
+        return properties[offset];
+      else
+        {
+          T value;
+          std::copy_n(properties.data() + offset,
+                      n_components,
+                      value.begin_raw());
+          return value;
+        }
+    }
 
     void
-    set(const dealii::ArrayView<double> &properties, const T &value) const;
+    set(const dealii::ArrayView<double> &properties, const T &value) const
+    {
+      Assert(exists(), dealii::ExcMessage("This column was not registered."));
+      if constexpr (std::is_same<T, double>::value)
+        properties[offset] = value;
+      else
+        std::copy_n(value.begin_raw(),
+                    n_components,
+                    properties.data() + offset);
+    }
 
-    static constexpr unsigned int n_components =
-      sizeof(T) / sizeof(double);
+    static constexpr unsigned int n_components = sizeof(T) / sizeof(double);
 
     static constexpr unsigned int absent = static_cast<unsigned int>(-1);
     unsigned int                  offset = absent;
@@ -57,20 +80,51 @@ namespace selkie
       bool         output; ///< written to particles.pvd
     };
 
-    /// Registers a column, or returns the one of that name that is there.
+    /// Registers a column, or returns the one of that name that is there
+    /// (which is then written when either asked for it).
     template <typename T>
     Column<T>
     add(const std::string &name,
         const std::string &unit,
-        const bool         output = false);
+        const bool         output = false)
+    {
+      return Column<T>(
+        place(name, unit, Column<T>::n_components, output).offset);
+    }
 
     unsigned int
-    n_components() const;
+    n_components() const
+    {
+      return list.empty() ? 0 : list.back().offset + list.back().n_components;
+    }
 
     const std::vector<Entry> &
-    entries() const;
+    entries() const
+    {
+      return list;
+    }
 
   private:
+    const Entry &
+    place(const std::string &name,
+          const std::string &unit,
+          const unsigned int n,
+          const bool         output)
+    {
+      for (Entry &entry : list)
+        if (entry.name == name)
+          {
+            AssertThrow(entry.n_components == n && entry.unit == unit,
+                        dealii::ExcMessage("The particle column '" + name +
+                                           "' is registered twice, with "
+                                           "different sizes or units."));
+            entry.output |= output;
+            return entry;
+          }
+      list.push_back({name, unit, n_components(), n, output});
+      return list.back();
+    }
+
     std::vector<Entry> list;
   };
 } // namespace selkie

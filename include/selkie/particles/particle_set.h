@@ -1,15 +1,19 @@
 #pragma once
 
+#include <selkie/mesh/cell_locator.h>
 #include <selkie/particles/fields.h>
+#include <selkie/particles/seed.h>
 #include <selkie/scene/scene.h>
 
 #include <deal.II/base/mpi.h>
-
 #include <deal.II/distributed/tria.h>
-
+#include <deal.II/fe/mapping_q1.h>
 #include <deal.II/particles/particle_handler.h>
 
+#include <boost/signals2/connection.hpp>
+
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace selkie
@@ -19,22 +23,23 @@ namespace selkie
   template <int dim>
   struct ParticleColumns
   {
-    Column<double>                  body;   ///< index into Scene::bodies
-    Column<double>                  mass;   ///< kg (kg/m in 2D)
-    Column<double>                  volume; ///< reference volume V_0
-    Column<dealii::Tensor<1, dim>>  lambda; ///< LME multiplier, warm start
-    Column<dealii::Tensor<1, dim>>  X;      ///< reference position (m)
-    Column<dealii::Tensor<1, dim>>  v, a;   ///< with inertia
-    Column<dealii::Tensor<2, dim>>  F;      ///< with a solid
-    Column<double>                  J;      ///< with a fluid
-    Column<double>                  pressure; ///< with a fluid (Pa), for output
-    Column<dealii::Tensor<2, dim>>  grad_v; ///< with TPIC
-    Column<double>                  traction_area; ///< with traction (m^2)
+    Column<double>                 body;     ///< index into Scene::bodies
+    Column<double>                 mass;     ///< kg (kg/m in 2D)
+    Column<double>                 volume;   ///< reference volume V_0
+    Column<dealii::Tensor<1, dim>> lambda;   ///< LME multiplier, warm start
+    Column<dealii::Tensor<1, dim>> X;        ///< reference position (m)
+    Column<dealii::Tensor<1, dim>> v, a;     ///< with inertia
+    Column<dealii::Tensor<2, dim>> F;        ///< with a solid
+    Column<double>                 J;        ///< with a fluid
+    Column<double>                 pressure; ///< with a fluid (Pa), for output
+    Column<dealii::Tensor<2, dim>> grad_v;   ///< with TPIC
+    Column<double>                 traction_area; ///< with traction (m^2)
 
     ParticleColumns(const Scene<dim> &scene, ParticleFields &fields);
   };
 
-  /// What happened to points since the start: they never vanish silently.
+  /// What happened to points since the start, on all ranks: they never vanish
+  /// silently.
   struct ParticleAccounting
   {
     unsigned long long seeded = 0, removed = 0, kept_at_wall = 0;
@@ -43,46 +48,71 @@ namespace selkie
 
   /**
    * The material points: a ParticleHandler and its typed columns. This class
-   * seeds, moves and accounts for them; deal.II 9.4.1's ways of losing a point
-   * (a jump past the ghost layer, round-off on a face or vertex) are handled
-   * here and nowhere else.
+   * seeds, moves and accounts for them.
+   *
+   * It finds the points' cells and sends them to their ranks itself, by
+   * CellLocator, because deal.II's sort (9.4 to 9.6) loses points in two ways:
+   * those that jump past the ghost layer, often without a signal, and, by
+   * round-off, some that lie on a face or vertex. Here a point may jump any
+   * distance. The handler's own sort must not be called.
+   *
+   * All member functions but the accessors are collective, and errors are
+   * thrown on all ranks.
    */
   template <int dim>
   class ParticleSet
   {
   public:
-    ParticleSet(const Scene<dim>                                  &scene,
-                dealii::parallel::distributed::Triangulation<dim> &mesh);
+    using Mesh = dealii::parallel::distributed::Triangulation<dim>;
 
-    /// Seeds all bodies: equally spaced lattice in each cell (jittered by
-    /// `Body::jitter`, with a generator seeded by the global cell so that any
-    /// partition gives the same points), kept where inside the shape;
-    /// volumes are scaled so that they sum exactly to Shape::volume(). Then
-    /// repartitions the mesh by particle count (cell weights).
-    /// Throws SceneError when a body gets no point.
+    /// The mesh is one of make_background_mesh().
+    ParticleSet(const Scene<dim> &scene, Mesh &mesh);
+    ~ParticleSet();
+    ParticleSet(const ParticleSet &) = delete;
+    ParticleSet &
+    operator=(const ParticleSet &) = delete;
+
+    /// Seeds all bodies (see seed_points()), gives the points mass, velocity
+    /// and the undeformed state, and calls rebalance().
+    /// Throws SceneError when a body gets no point or two bodies overlap.
     void
     seed();
 
+    /// Repartitions the mesh by particle count (cell weights) and takes the
+    /// points along. Node clouds and whatever else hangs on the mesh must be
+    /// built anew.
+    void
+    rebalance();
+
     /**
-     * Moves every locally owned point by its displacement (indexed by
-     * ParticleHandler::iteration order), applies the leaving policy, sorts
-     * and migrates; in sub-steps when the largest displacement exceeds 0.9 of
-     * the smallest local h. Checks count and mass after each sort.
-     * Points closer to a wall than 1e-5 h are put at that distance.
-     * Throws NumericalFailure naming the point (id, position, body) when one
-     * leaves and the policy is `stop`, and when count or mass changed.
+     * Moves every locally owned point by its displacement (m), in the order
+     * in which the handler iterates at the call, applies the leaving policy,
+     * finds the points' cells and sends them to their ranks.
+     *
+     * A point closer to a wall than wall_margin() is put at that distance.
+     * Of the points outside the domain, `keep` puts them there as well (and
+     * counts them in `accounting`), `remove` takes them out and books number
+     * and mass, and `stop` throws NumericalFailure naming one (id, position,
+     * body); then, as when a displacement is not finite, no point has moved.
      */
     void
     move(const std::vector<dealii::Tensor<1, dim>> &displacements);
 
-    /// Finds cells again and migrates (after repartitioning).
+    /// Finds the cells of all points again and sends them to their ranks: for
+    /// positions that were set by hand. Throws NumericalFailure naming a point
+    /// outside the domain, or when count or mass of all points disagree with
+    /// `accounting`.
     void
     sort();
 
-    const Scene<dim>           &scene;
-    ParticleFields              fields; // before columns: it registers them
-    const ParticleColumns<dim>  columns;
-    ParticleAccounting          accounting;
+    /// 1e-5 of the smallest h (m).
+    double
+    wall_margin() const;
+
+    const Scene<dim>          &scene;
+    ParticleFields             fields; // before columns: it registers them
+    const ParticleColumns<dim> columns;
+    ParticleAccounting         accounting;
 
     dealii::Particles::ParticleHandler<dim> &
     handler();
@@ -91,5 +121,31 @@ namespace selkie
 
     MPI_Comm
     communicator() const;
+
+  private:
+    using Iterator = dealii::Particles::ParticleIterator<dim>;
+    struct Motion;
+
+    void
+    fill_properties(const Seed<dim>                 &seed,
+                    const dealii::ArrayView<double> &properties) const;
+    Motion
+    plan(const std::vector<dealii::Tensor<1, dim>> &displacements) const;
+    void
+    remove(const std::vector<Iterator> &points);
+    void
+    insert(const std::vector<double>                 &record,
+           const typename CellLocator<dim>::Location &place);
+    void
+    deliver(const std::vector<std::vector<double>> &records);
+    std::string
+    describe(const Iterator &point, const dealii::Point<dim> &x) const;
+    void
+    check_accounting() const;
+
+    Mesh                                   &mesh;
+    const dealii::MappingQ1<dim>            mapping;
+    dealii::Particles::ParticleHandler<dim> points;
+    boost::signals2::scoped_connection      weight_connection;
   };
 } // namespace selkie

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <selkie/output/statistics.h>
+#include <selkie/particles/particle_set.h>
+
+#include <string>
+#include <vector>
+
+namespace selkie
+{
+  /// Force that the matter exerts on each wall, from the reaction of the
+  /// equations held there: N, N/m in 2D. Empty where not known.
+  template <int dim>
+  struct WallForces
+  {
+    std::vector<dealii::Tensor<1, dim>> force; ///< by wall: x-, x+, y-, ...
+  };
+
+  /**
+   * The scene's probes: one file probes/NAME.csv each, a row per record().
+   *
+   * - `point`: mean displacement, position and velocity of the points whose
+   *   reference position is within the radius of the probe's position; when
+   *   there is none, of those nearest to it.
+   * - `region`: the same for the points that started inside a shape.
+   * - `wall force`: the force on a wall.
+   * - `front`: largest and smallest coordinate of a body's points along an
+   *   axis. The matter reaches about half a point spacing further.
+   * - `extent`: smallest and largest coordinates of a body's points, its
+   *   volume, centre of mass, and along each axis the semi-axis of the
+   *   homogeneous ellipse (ellipsoid) of the same second moment.
+   *
+   * Points are found anew by their reference position at each record: nothing
+   * has to follow them through migration or a restart.
+   */
+  template <int dim>
+  class Probes
+  {
+  public:
+    /// Collective; call when the points are seeded. The folder
+    /// `directory`/probes exists.
+    /// @throw SceneError if a region holds no point.
+    Probes(const Scene<dim>       &scene,
+           const ParticleSet<dim> &particles,
+           const std::string      &directory);
+
+    /// Adds a row to each file. Collective.
+    /// @param time s
+    void
+    record(const double time, const WallForces<dim> &walls);
+
+  private:
+    struct Curve
+    {
+      const Probe<dim> *probe;
+      double            radius = 0; ///< of a point probe; reaches a point
+      Statistics        table;
+    };
+
+    /// What is summed over the points of a probe.
+    struct Sums
+    {
+      double                 n = 0, mass = 0, volume = 0;
+      dealii::Tensor<1, dim> x, u, v; ///< position, displacement, velocity
+      dealii::Tensor<1, dim> mx, mxx; ///< first and second moments of mass
+      dealii::Tensor<1, dim> lower, upper;
+
+      Sums();
+      void
+      add(const Sums &other);
+    };
+
+    double
+    radius_that_reaches(const Probe<dim> &probe) const;
+
+    bool
+    selects(const Curve                           &curve,
+            const dealii::ArrayView<const double> &properties) const;
+
+    Sums
+    sums_of_point(const dealii::Particles::ParticleAccessor<dim> &point) const;
+
+    std::vector<Sums>
+    sums_of_curves() const;
+
+    void
+    set_means(const Sums &sums, Statistics &table) const;
+
+    static void
+    set_extent(const Sums &sums, Statistics &table);
+
+    const ParticleSet<dim> &particles;
+    std::vector<Curve>      curves;
+  };
+} // namespace selkie

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <selkie/base/timer_tree.h>
+#include <selkie/output/audit.h>
+#include <selkie/particles/particle_set.h>
+
+#include <string>
+#include <vector>
+
+namespace selkie
+{
+  /// What summary.json says about a run; versions and build type are added.
+  struct Summary
+  {
+    std::string              title, file;
+    std::vector<std::string> effects;
+    unsigned int             ranks = 1;
+
+    unsigned long long points   = 0;
+    unsigned long long unknowns = 0; ///< most in any step
+    unsigned int       steps    = 0;
+    double             end_time = 0; ///< reached (s)
+
+    std::string failure; ///< empty: done; else why the run ended
+
+    Audit              audit; ///< at the end
+    ParticleAccounting accounting;
+
+    double                      wall_time = 0; ///< s
+    std::vector<TimerTree::Row> timings;
+  };
+
+  /// Writes summary.json; call it on one rank.
+  /// @throw std::runtime_error if it cannot be written.
+  void
+  write_summary(const std::string &path, const Summary &summary);
+} // namespace selkie

@@ -1,0 +1,108 @@
+#include <selkie/mesh/background_mesh.h>
+
+#include <deal.II/grid/grid_generator.h>
+
+#include <algorithm>
+
+namespace selkie
+{
+  namespace
+  {
+    /// How often all numbers can be halved.
+    template <std::size_t n>
+    unsigned int
+    common_halvings(std::array<unsigned int, n> numbers)
+    {
+      unsigned int halvings = 0;
+      while (std::all_of(numbers.begin(), numbers.end(), [](unsigned int i) {
+        return i > 0 && i % 2 == 0;
+      }))
+        {
+          for (unsigned int &i : numbers)
+            i /= 2;
+          ++halvings;
+        }
+      return halvings;
+    }
+
+    /// Whether some of a lattice of sample points of the overlap of the cell
+    /// and the shape's bounding box lies inside the shape. Sampling the
+    /// overlap finds shapes that are much smaller than the cell, too.
+    template <int dim, typename Cell>
+    bool
+    touches(const Cell &cell, const Shape<dim> &shape)
+    {
+      constexpr unsigned int n_samples = 9; // per direction
+      const auto             box   = shape.bounding_box().get_boundary_points();
+      dealii::Point<dim>     lower = cell->vertex(0);
+      dealii::Point<dim>     upper = cell->vertex((1u << dim) - 1);
+      unsigned int           n     = 1;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          lower[d] = std::max(lower[d], box.first[d]);
+          upper[d] = std::min(upper[d], box.second[d]);
+          if (lower[d] > upper[d])
+            return false;
+          n *= n_samples;
+        }
+      for (unsigned int i = 0; i < n; ++i)
+        {
+          dealii::Point<dim> x;
+          for (unsigned int d = 0, rest = i; d < dim; rest /= n_samples, ++d)
+            {
+              const double s = (rest % n_samples) / (n_samples - 1.);
+              x[d]           = (1. - s) * lower[d] + s * upper[d];
+            }
+          if (shape.contains(x))
+            return true;
+        }
+      return false;
+    }
+  } // namespace
+
+
+  template <int dim>
+  std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
+  make_background_mesh(const Domain<dim> &domain, const MPI_Comm comm)
+  {
+    using Mesh = dealii::parallel::distributed::Triangulation<dim>;
+    // p4est knows the vertices so that it can tell the owner of any point
+    auto mesh = std::make_unique<Mesh>(
+      comm,
+      dealii::Triangulation<dim>::limit_level_difference_at_vertices,
+      Mesh::communicate_vertices_to_p4est);
+
+    const unsigned int        base = common_halvings(domain.cells);
+    std::vector<unsigned int> repetitions;
+    for (const unsigned int n : domain.cells)
+      repetitions.push_back(n >> base);
+    dealii::GridGenerator::subdivided_hyper_rectangle(
+      *mesh, repetitions, domain.lower, domain.upper, /*colorize=*/true);
+    mesh->refine_global(base);
+
+    unsigned int most_levels = 0;
+    for (const auto &refinement : domain.refinements)
+      most_levels = std::max(most_levels, refinement.levels);
+    for (unsigned int pass = 0; pass < most_levels; ++pass)
+      {
+        for (const auto &cell : mesh->active_cell_iterators())
+          if (cell->is_locally_owned())
+            for (const auto &refinement : domain.refinements)
+              if (static_cast<unsigned int>(cell->level()) <
+                    base + refinement.levels &&
+                  touches(cell, *refinement.shape))
+                {
+                  cell->set_refine_flag();
+                  break;
+                }
+        mesh->execute_coarsening_and_refinement();
+      }
+    return mesh;
+  }
+
+
+  template std::unique_ptr<dealii::parallel::distributed::Triangulation<2>>
+  make_background_mesh(const Domain<2> &, const MPI_Comm);
+  template std::unique_ptr<dealii::parallel::distributed::Triangulation<3>>
+  make_background_mesh(const Domain<3> &, const MPI_Comm);
+} // namespace selkie

@@ -1,0 +1,236 @@
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
+#include <selkie/output/audit.h>
+#include <selkie/output/probes.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace selkie
+{
+  template <int dim>
+  Probes<dim>::Sums::Sums()
+  {
+    for (unsigned int i = 0; i < dim; ++i)
+      {
+        lower[i] = std::numeric_limits<double>::infinity();
+        upper[i] = -std::numeric_limits<double>::infinity();
+      }
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::Sums::add(const Sums &other)
+  {
+    n += other.n;
+    mass += other.mass;
+    volume += other.volume;
+    x += other.x;
+    u += other.u;
+    v += other.v;
+    mx += other.mx;
+    mxx += other.mxx;
+    for (unsigned int i = 0; i < dim; ++i)
+      {
+        lower[i] = std::min(lower[i], other.lower[i]);
+        upper[i] = std::max(upper[i], other.upper[i]);
+      }
+  }
+
+
+  template <int dim>
+  Probes<dim>::Probes(const Scene<dim>       &scene,
+                      const ParticleSet<dim> &particles,
+                      const std::string      &directory)
+    : particles(particles)
+  {
+    using Kind = typename Probe<dim>::Kind;
+    const auto rank =
+      dealii::Utilities::MPI::this_mpi_process(particles.communicator());
+    for (const Probe<dim> &probe : scene.probes)
+      {
+        curves.emplace_back();
+        Curve &curve = curves.back();
+        curve.probe  = &probe;
+        if (probe.kind == Kind::point)
+          curve.radius = radius_that_reaches(probe);
+        curve.table.open(directory + "/probes/" + probe.name + ".csv",
+                         rank == 0);
+      }
+
+    const std::vector<Sums> sums = sums_of_curves();
+    for (unsigned int c = 0; c < curves.size(); ++c)
+      if (curves[c].probe->kind == Kind::region && sums[c].n == 0)
+        throw SceneError("the region of the probe '" + curves[c].probe->name +
+                         "' holds no material point");
+  }
+
+
+  /// The probe's own radius, or the distance to the nearest points when it
+  /// reaches none: 1e-6 further, so that equally near points all count.
+  template <int dim>
+  double
+  Probes<dim>::radius_that_reaches(const Probe<dim> &probe) const
+  {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto &point : particles.handler())
+      {
+        const auto X = particles.columns.X(point.get_properties());
+        nearest      = std::min(nearest, (X - probe.position).norm());
+      }
+    nearest = dealii::Utilities::MPI::min(nearest, particles.communicator());
+    return std::max(probe.radius, (1. + 1e-6) * nearest);
+  }
+
+
+  template <int dim>
+  bool
+  Probes<dim>::selects(const Curve                           &curve,
+                       const dealii::ArrayView<const double> &properties) const
+  {
+    using Kind                = typename Probe<dim>::Kind;
+    const Probe<dim> &probe   = *curve.probe;
+    const auto       &columns = particles.columns;
+    switch (probe.kind)
+      {
+        case Kind::point:
+          return (columns.X(properties) - probe.position).norm() <=
+                 curve.radius;
+        case Kind::region:
+          return probe.shape->contains(
+            dealii::Point<dim>(columns.X(properties)));
+        case Kind::front:
+        case Kind::extent:
+          return columns.body(properties) == probe.body;
+        case Kind::wall_force:
+          return false;
+      }
+    return false;
+  }
+
+
+  template <int dim>
+  typename Probes<dim>::Sums
+  Probes<dim>::sums_of_point(
+    const dealii::Particles::ParticleAccessor<dim> &point) const
+  {
+    const auto  properties = point.get_properties();
+    const auto &columns    = particles.columns;
+    Sums        sums;
+    sums.n    = 1;
+    sums.mass = columns.mass(properties);
+    sums.volume =
+      columns.volume(properties) * volume_ratio(particles, properties);
+    sums.x = sums.lower = sums.upper = point.get_location();
+    sums.mx                          = sums.mass * sums.x;
+    for (unsigned int i = 0; i < dim; ++i)
+      sums.mxx[i] = sums.mx[i] * sums.x[i];
+    if (columns.X.exists())
+      sums.u = sums.x - columns.X(properties);
+    if (columns.v.exists())
+      sums.v = columns.v(properties);
+    return sums;
+  }
+
+
+  template <int dim>
+  std::vector<typename Probes<dim>::Sums>
+  Probes<dim>::sums_of_curves() const
+  {
+    std::vector<Sums> mine(curves.size());
+    for (const auto &point : particles.handler())
+      for (unsigned int c = 0; c < curves.size(); ++c)
+        if (selects(curves[c], point.get_properties()))
+          mine[c].add(sums_of_point(point));
+
+    return dealii::Utilities::MPI::all_reduce<std::vector<Sums>>(
+      mine,
+      particles.communicator(),
+      [](const std::vector<Sums> &a, const std::vector<Sums> &b) {
+        std::vector<Sums> both = a;
+        for (unsigned int c = 0; c < both.size(); ++c)
+          both[c].add(b[c]);
+        return both;
+      });
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::set_means(const Sums &sums, Statistics &table) const
+  {
+    for (unsigned int i = 0; i < dim; ++i)
+      table.set(component_column("displacement", i, "m"), sums.u[i] / sums.n);
+    for (unsigned int i = 0; i < dim; ++i)
+      table.set(component_column("position", i, "m"), sums.x[i] / sums.n);
+    if (particles.columns.v.exists())
+      for (unsigned int i = 0; i < dim; ++i)
+        table.set(component_column("velocity", i, "m/s"), sums.v[i] / sums.n);
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::set_extent(const Sums &sums, Statistics &table)
+  {
+    table.set(dim == 2 ? "volume (m^2)" : "volume (m^3)", sums.volume);
+    for (unsigned int i = 0; i < dim; ++i)
+      {
+        // The variance of a coordinate is a^2 / (dim + 2) in an ellipsoid.
+        const double center   = sums.mx[i] / sums.mass;
+        const double variance = sums.mxx[i] / sums.mass - center * center;
+        table.set(component_column("min", i, "m"), sums.lower[i]);
+        table.set(component_column("max", i, "m"), sums.upper[i]);
+        table.set(component_column("center", i, "m"), center);
+        table.set(component_column("semi-axis", i, "m"),
+                  std::sqrt((dim + 2) * std::max(variance, 0.)));
+      }
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::record(const double time, const WallForces<dim> &walls)
+  {
+    if (curves.empty())
+      return;
+    using Kind                   = typename Probe<dim>::Kind;
+    const std::vector<Sums> sums = sums_of_curves();
+    for (unsigned int c = 0; c < curves.size(); ++c)
+      {
+        const Probe<dim> &probe = *curves[c].probe;
+        Statistics       &table = curves[c].table;
+        table.set("time (s)", time);
+        switch (probe.kind)
+          {
+            case Kind::point:
+            case Kind::region:
+              set_means(sums[c], table);
+              break;
+            case Kind::wall_force:
+              for (unsigned int i = 0; i < dim; ++i)
+                table.set(component_column("force", i, dim == 2 ? "N/m" : "N"),
+                          probe.wall < walls.force.size()
+                            ? walls.force[probe.wall][i]
+                            : std::numeric_limits<double>::quiet_NaN());
+              break;
+            case Kind::front:
+              table.set(component_column("front", probe.axis, "m"),
+                        sums[c].upper[probe.axis]);
+              table.set(component_column("rear", probe.axis, "m"),
+                        sums[c].lower[probe.axis]);
+              break;
+            case Kind::extent:
+              set_extent(sums[c], table);
+              break;
+          }
+        table.end_row();
+      }
+  }
+
+
+  template class Probes<2>;
+  template class Probes<3>;
+} // namespace selkie

@@ -1,0 +1,101 @@
+#include <selkie/output/banner.h>
+#include <selkie/output/json.h>
+#include <selkie/output/summary.h>
+
+namespace selkie
+{
+  namespace
+  {
+    JsonObject
+    to_json(const Versions &versions)
+    {
+      JsonObject json;
+      json.add("selkie", versions.selkie);
+      json.add("git", versions.git_hash);
+      json.add("deal.II", versions.deal_ii);
+      json.add("Trilinos", versions.trilinos);
+      json.add("p4est", versions.p4est);
+      return json;
+    }
+
+    JsonObject
+    to_json(const dealii::Tensor<1, 3> &vector)
+    {
+      JsonObject json;
+      json.add("x", vector[0]);
+      json.add("y", vector[1]);
+      json.add("z", vector[2]);
+      return json;
+    }
+
+    JsonObject
+    to_json(const Audit &audit)
+    {
+      JsonObject json;
+      json.add("kinetic energy", audit.kinetic);
+      json.add("strain energy", audit.strain);
+      json.add("compression energy", audit.compression);
+      json.add("potential energy", audit.potential);
+      json.add("mass", audit.mass);
+      json.add("volume", audit.volume);
+      json.add("min J", audit.min_J);
+      json.add("max J", audit.max_J);
+      json.add("momentum", to_json(audit.momentum));
+      json.add("angular momentum", to_json(audit.angular_momentum));
+      json.add("center of mass", to_json(audit.center));
+      return json;
+    }
+
+    JsonObject
+    to_json(const ParticleAccounting &accounting)
+    {
+      JsonObject json;
+      json.add("seeded", accounting.seeded);
+      json.add("removed", accounting.removed);
+      json.add("kept at wall", accounting.kept_at_wall);
+      json.add("seeded mass", accounting.seeded_mass);
+      json.add("removed mass", accounting.removed_mass);
+      return json;
+    }
+
+    std::vector<JsonObject>
+    to_json(const std::vector<TimerTree::Row> &timings)
+    {
+      std::vector<JsonObject> list;
+      for (const TimerTree::Row &row : timings)
+        {
+          list.emplace_back();
+          list.back().add("section", row.path);
+          list.back().add("calls", row.calls);
+          list.back().add("wall (s)", row.wall);
+          list.back().add("share", row.share);
+        }
+      return list;
+    }
+  } // namespace
+
+
+  void
+  write_summary(const std::string &path, const Summary &summary)
+  {
+    const Versions v = versions();
+    JsonObject     json;
+    json.add("title", summary.title);
+    json.add("file", summary.file);
+    json.add("verdict", summary.failure.empty() ? "done" : "failure");
+    json.add("failure", summary.failure);
+    json.add("versions", to_json(v));
+    json.add("build type", v.build_type);
+    json.add("ranks", summary.ranks);
+    json.add("effects", summary.effects);
+    json.add("points", summary.points);
+    json.add("unknowns", summary.unknowns);
+    json.add("steps", summary.steps);
+    json.add("final time (s)", summary.end_time);
+    json.add("final figures", to_json(summary.audit));
+    json.add("material points", to_json(summary.accounting));
+    json.add("wall time (s)", summary.wall_time);
+    json.add("timings", to_json(summary.timings));
+    json.write(path);
+  }
+} // namespace selkie

@@ -1,0 +1,390 @@
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
+#include <selkie/particles/particle_set.h>
+
+#include <deal.II/base/exceptions.h>
+#include <deal.II/base/utilities.h>
+
+#include <boost/serialization/vector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+namespace selkie
+{
+  namespace
+  {
+    /// A cell's weight in the partition is 1 + 10 times its points.
+    constexpr unsigned int point_weight = 10;
+
+    /// A point on its way from cell to cell or rank to rank: id, position and
+    /// properties, all as doubles (ids are below 2^53).
+    template <typename Particle>
+    std::vector<double>
+    pack(const Particle &point)
+    {
+      const auto          x          = point.get_location();
+      const auto          properties = point.get_properties();
+      std::vector<double> record     = {static_cast<double>(point.get_id())};
+      record.insert(record.end(), x.begin_raw(), x.end_raw());
+      record.insert(record.end(), properties.begin(), properties.end());
+      return record;
+    }
+
+    template <int dim>
+    dealii::Point<dim>
+    packed_position(const std::vector<double> &record)
+    {
+      dealii::Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = record[1 + d];
+      return x;
+    }
+  } // namespace
+
+
+  /// What a set of displacements does to the points of this rank.
+  template <int dim>
+  struct ParticleSet<dim>::Motion
+  {
+    std::vector<dealii::Point<dim>> positions;
+    std::vector<Iterator>           leaving;
+    unsigned long long              n_leaving    = 0;
+    double                          leaving_mass = 0.;
+    std::string                     not_finite; ///< names such a point
+    std::string                     first;      ///< names a leaving point
+  };
+
+
+  template <int dim>
+  ParticleSet<dim>::ParticleSet(const Scene<dim> &scene, Mesh &mesh)
+    : scene(scene)
+    , columns(scene, fields)
+    , mesh(mesh)
+    , points(mesh, mapping, fields.n_components())
+    , weight_connection(
+        mesh.signals.weight.connect([this](const auto &cell, const auto) {
+          unsigned int n = 0;
+          if (cell->is_active())
+            n = points.n_particles_in_cell(cell);
+          else // its children are to be coarsened
+            for (unsigned int c = 0; c < cell->n_children(); ++c)
+              if (cell->child(c)->is_active())
+                n += points.n_particles_in_cell(cell->child(c));
+          return 1 + point_weight * n;
+        }))
+  {}
+
+
+  template <int dim>
+  ParticleSet<dim>::~ParticleSet() = default;
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::fill_properties(
+    const Seed<dim>                 &seed,
+    const dealii::ArrayView<double> &properties) const
+  {
+    const Body<dim> &body = scene.bodies[seed.body];
+    std::fill(properties.begin(), properties.end(), 0.);
+    columns.body.set(properties, seed.body);
+    columns.mass.set(properties, body.law->density() * seed.volume);
+    columns.volume.set(properties, seed.volume);
+    if (columns.X.exists())
+      columns.X.set(properties, seed.x);
+    if (columns.v.exists() && body.initial_velocity)
+      columns.v.set(properties,
+                    body.initial_velocity->value(seed.x, 0., seed.x));
+    if (columns.F.exists())
+      columns.F.set(properties, dealii::unit_symmetric_tensor<dim>());
+    if (columns.J.exists())
+      columns.J.set(properties, 1.);
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::seed()
+  {
+    points.clear();
+    accounting                         = ParticleAccounting();
+    const std::vector<Seed<dim>> seeds = seed_points(scene, mesh);
+    std::vector<double>          properties(fields.n_components());
+    const auto                   view = dealii::make_array_view(properties);
+    double                       mass = 0;
+    for (const Seed<dim> &seed : seeds)
+      {
+        fill_properties(seed, view);
+        mass += columns.mass(view);
+        points.insert_particle(
+          seed.x, seed.reference, seed.id, seed.cell, properties);
+      }
+    points.update_cached_numbers();
+    accounting.seeded      = points.n_global_particles();
+    accounting.seeded_mass = dealii::Utilities::MPI::sum(mass, communicator());
+    rebalance();
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::rebalance()
+  {
+    points.prepare_for_coarsening_and_refinement();
+    mesh.repartition();
+    points.unpack_after_coarsening_and_refinement();
+    check_accounting();
+  }
+
+
+  template <int dim>
+  double
+  ParticleSet<dim>::wall_margin() const
+  {
+    return 1e-5 * CellLocator<dim>(mesh).smallest_spacing();
+  }
+
+
+  template <int dim>
+  std::string
+  ParticleSet<dim>::describe(const Iterator           &point,
+                             const dealii::Point<dim> &x) const
+  {
+    const unsigned int body = columns.body(point->get_properties());
+    std::ostringstream out;
+    out << "material point " << point->get_id() << " of body '"
+        << scene.bodies[body].name << "', at (" << point->get_location()
+        << "), would move to (" << x << ")";
+    return out.str();
+  }
+
+
+  template <int dim>
+  typename ParticleSet<dim>::Motion
+  ParticleSet<dim>::plan(
+    const std::vector<dealii::Tensor<1, dim>> &displacements) const
+  {
+    AssertThrow(displacements.size() == points.n_locally_owned_particles(),
+                dealii::ExcDimensionMismatch(
+                  displacements.size(), points.n_locally_owned_particles()));
+    const CellLocator<dim> locator(mesh);
+    const double           margin = 1e-5 * locator.smallest_spacing();
+    Motion                 motion;
+    motion.positions.reserve(displacements.size());
+    auto displacement = displacements.begin();
+    for (auto point = points.begin(); point != points.end();
+         ++point, ++displacement)
+      {
+        const dealii::Point<dim> x      = point->get_location() + *displacement;
+        dealii::Point<dim>       inside = x;
+        bool                     leaves = false;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            if (!std::isfinite(x[d]) && motion.not_finite.empty())
+              motion.not_finite = describe(point, x);
+            leaves |= x[d] < locator.lower()[d] || x[d] > locator.upper()[d];
+            inside[d] = std::clamp(x[d],
+                                   locator.lower()[d] + margin,
+                                   locator.upper()[d] - margin);
+          }
+        motion.positions.push_back(inside);
+        if (!leaves)
+          continue;
+        ++motion.n_leaving;
+        motion.leaving_mass += columns.mass(point->get_properties());
+        motion.leaving.push_back(point);
+        if (motion.first.empty())
+          motion.first = describe(point, x);
+      }
+    return motion;
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::move(
+    const std::vector<dealii::Tensor<1, dim>> &displacements)
+  {
+    const Motion motion = plan(displacements);
+    throw_on_all_ranks<NumericalFailure>(
+      communicator(),
+      motion.not_finite.empty()
+        ? ""
+        : "A displacement is not finite: the " + motion.not_finite + ".");
+    if (scene.leaving == LeavingPolicy::stop)
+      throw_on_all_ranks<NumericalFailure>(
+        communicator(),
+        motion.first.empty()
+          ? ""
+          : "A point leaves the domain: the " + motion.first + ".");
+
+    auto position = motion.positions.begin();
+    for (auto &point : points)
+      point.set_location(*position++);
+
+    using dealii::Utilities::MPI::sum;
+    const auto   n    = sum(motion.n_leaving, communicator());
+    const double mass = sum(motion.leaving_mass, communicator());
+    if (scene.leaving == LeavingPolicy::keep)
+      accounting.kept_at_wall += n;
+    else if (n > 0)
+      {
+        remove(motion.leaving);
+        accounting.removed += n;
+        accounting.removed_mass += mass;
+      }
+    sort();
+  }
+
+
+  /// Not ParticleHandler::remove_particles(), which is collective. The points
+  /// are in iteration order; going backwards keeps the iterators valid.
+  template <int dim>
+  void
+  ParticleSet<dim>::remove(const std::vector<Iterator> &leaving)
+  {
+    for (auto point = leaving.rbegin(); point != leaving.rend(); ++point)
+      points.remove_particle(*point);
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::insert(const std::vector<double>                 &record,
+                           const typename CellLocator<dim>::Location &place)
+  {
+    points.insert_particle(
+      packed_position<dim>(record),
+      place.reference,
+      static_cast<dealii::types::particle_index>(record[0]),
+      place.cell,
+      dealii::ArrayView<const double>(record.data() + 1 + dim,
+                                      fields.n_components()));
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::sort()
+  {
+    const CellLocator<dim>           locator(mesh);
+    std::vector<Iterator>            movers;
+    std::vector<std::vector<double>> records;
+    std::string                      outside;
+    for (auto point = points.begin(); point != points.end(); ++point)
+      {
+        const dealii::Point<dim> x = point->get_location();
+        for (unsigned int d = 0; d < dim; ++d)
+          if (!(x[d] >= locator.lower()[d] && x[d] <= locator.upper()[d]))
+            outside = describe(point, x);
+        const auto place = locator.locate(x);
+        if (place.cell == point->get_surrounding_cell())
+          point->set_reference_location(place.reference);
+        else
+          {
+            movers.push_back(point);
+            records.push_back(pack(*point));
+          }
+      }
+    throw_on_all_ranks<NumericalFailure>(
+      communicator(),
+      outside.empty() ? "" : "Outside the domain: the " + outside + ".");
+    remove(movers);
+    deliver(records);
+    points.update_cached_numbers();
+    check_accounting();
+  }
+
+
+  /**
+   * Puts points into their cells, on whatever rank. A rank that has a point's
+   * cell as ghost knows its owner; for one further away p4est tells a rank
+   * that owns a cell there. On a face that may be another cell than
+   * CellLocator's, which the receiver then has as ghost: it sends it on.
+   */
+  template <int dim>
+  void
+  ParticleSet<dim>::deliver(const std::vector<std::vector<double>> &records)
+  {
+    const CellLocator<dim>           locator(mesh);
+    std::vector<std::vector<double>> here = records;
+    for (unsigned int round = 0; round < 5; ++round)
+      {
+        std::map<unsigned int, std::vector<std::vector<double>>> outgoing;
+        for (const auto &record : here)
+          {
+            const auto x     = packed_position<dim>(record);
+            const auto place = locator.locate(x);
+            if (place.cell->is_locally_owned())
+              insert(record, place);
+            else if (place.cell->is_ghost())
+              outgoing[place.cell->subdomain_id()].push_back(record);
+            else
+              outgoing[mesh.find_point_owner_rank(x)].push_back(record);
+          }
+        const unsigned int sends = outgoing.empty() ? 0 : 1;
+        if (dealii::Utilities::MPI::max(sends, communicator()) == 0)
+          return;
+        here.clear();
+        for (const auto &[rank, received] :
+             dealii::Utilities::MPI::some_to_some(communicator(), outgoing))
+          here.insert(here.end(), received.begin(), received.end());
+      }
+    throw_on_all_ranks<NumericalFailure>(
+      communicator(), "Internal error: material points find no owner.");
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::check_accounting() const
+  {
+    double mass = 0;
+    for (const auto &point : points)
+      mass += columns.mass(point.get_properties());
+    mass                  = dealii::Utilities::MPI::sum(mass, communicator());
+    const auto   n        = points.n_global_particles();
+    const auto   expected = accounting.seeded - accounting.removed;
+    const double expected_mass =
+      accounting.seeded_mass - accounting.removed_mass;
+    if (n == expected &&
+        std::abs(mass - expected_mass) <= 1e-9 * accounting.seeded_mass)
+      return; // n and mass are the same on all ranks
+    std::ostringstream out;
+    out << "Internal error: there are " << n << " material points of " << mass
+        << " kg, but there should be " << expected << " of " << expected_mass
+        << " kg.";
+    throw NumericalFailure(out.str());
+  }
+
+
+  template <int dim>
+  dealii::Particles::ParticleHandler<dim> &
+  ParticleSet<dim>::handler()
+  {
+    return points;
+  }
+
+
+  template <int dim>
+  const dealii::Particles::ParticleHandler<dim> &
+  ParticleSet<dim>::handler() const
+  {
+    return points;
+  }
+
+
+  template <int dim>
+  MPI_Comm
+  ParticleSet<dim>::communicator() const
+  {
+    return mesh.get_communicator();
+  }
+
+
+  template class ParticleSet<2>;
+  template class ParticleSet<3>;
+} // namespace selkie

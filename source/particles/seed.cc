@@ -1,0 +1,232 @@
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
+#include <selkie/particles/seed.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+#include <deal.II/grid/cell_id.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <sstream>
+#include <string>
+
+namespace selkie
+{
+  namespace
+  {
+    template <int dim>
+    using Mesh = dealii::parallel::distributed::Triangulation<dim>;
+
+    /// Points keep this distance from the faces of their cell when jittered,
+    /// in cells.
+    constexpr double margin = 1e-4;
+
+    /// The locally owned cells along p4est's space-filling curve, on which
+    /// the ranks' pieces follow each other: a global order of all cells that
+    /// does not depend on the partition. It is the order of the CellIds (whose
+    /// coarse numbers are those of p4est's trees).
+    template <int dim>
+    std::vector<typename Mesh<dim>::active_cell_iterator>
+    cells_on_curve(const Mesh<dim> &mesh)
+    {
+      using Cell = typename Mesh<dim>::active_cell_iterator;
+      std::vector<std::pair<dealii::CellId, Cell>> keys;
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned())
+          keys.emplace_back(cell->id(), cell);
+      std::sort(keys.begin(), keys.end(), [](const auto &a, const auto &b) {
+        return a.first < b.first;
+      });
+      std::vector<Cell> cells;
+      for (const auto &key : keys)
+        cells.push_back(key.second);
+      return cells;
+    }
+
+    /// Uniform numbers in [-1, 1] that depend on cell and body only; not from
+    /// std::uniform_real_distribution, whose numbers depend on the library.
+    class Jitter
+    {
+    public:
+      template <typename Cell>
+      Jitter(const Cell &cell, const unsigned int body)
+      {
+        const dealii::CellId      id   = cell->id();
+        std::vector<unsigned int> seed = {
+          body, static_cast<unsigned int>(id.get_coarse_cell_id())};
+        for (const auto child : id.get_child_indices())
+          seed.push_back(child);
+        std::seed_seq sequence(seed.begin(), seed.end());
+        generator.seed(sequence);
+      }
+
+      double
+      operator()()
+      {
+        return 2. * generator() / 4294967295. - 1.;
+      }
+
+    private:
+      std::mt19937 generator;
+    };
+
+    template <int dim>
+    dealii::Point<dim>
+    in_cell(const dealii::Point<dim> &lower,
+            const dealii::Point<dim> &upper,
+            const dealii::Point<dim> &reference)
+    {
+      dealii::Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = (1. - reference[d]) * lower[d] + reference[d] * upper[d];
+      return x;
+    }
+
+    template <int dim>
+    bool
+    boxes_meet(const dealii::BoundingBox<dim> &box,
+               const dealii::Point<dim>       &lower,
+               const dealii::Point<dim>       &upper)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (box.lower_bound(d) > upper[d] || box.upper_bound(d) < lower[d])
+          return false;
+      return true;
+    }
+
+    /// Says that two bodies claim a point, or nothing.
+    template <int dim>
+    std::string
+    overlap(const Scene<dim>         &scene,
+            const unsigned int        body,
+            const dealii::Point<dim> &x)
+    {
+      for (unsigned int other = 0; other < scene.bodies.size(); ++other)
+        if (other != body && scene.bodies[other].shape->contains(x))
+          {
+            std::ostringstream out;
+            out << "The bodies '" << scene.bodies[std::min(body, other)].name
+                << "' and '" << scene.bodies[std::max(body, other)].name
+                << "' overlap: both claim the material point at (" << x
+                << "). Bodies must be disjoint; where they touch, no point "
+                   "may lie on the common face.";
+            return out.str();
+          }
+      return "";
+    }
+
+    /// The points of one body in one cell.
+    template <int dim>
+    void
+    seed_cell(const Scene<dim>                               &scene,
+              const unsigned int                              b,
+              const typename Mesh<dim>::active_cell_iterator &cell,
+              std::vector<Seed<dim>>                         &seeds,
+              std::string                                    &error)
+    {
+      const Body<dim>         &body  = scene.bodies[b];
+      const unsigned int       n     = body.points_per_direction;
+      const dealii::Point<dim> lower = cell->vertex(0);
+      const dealii::Point<dim> upper = cell->vertex((1u << dim) - 1);
+      if (!boxes_meet(body.shape->bounding_box(), lower, upper))
+        return;
+      const unsigned int n_points = dealii::Utilities::pow(n, dim);
+      Jitter             jitter(cell, b);
+      double             volume = 1. / n_points;
+      for (unsigned int d = 0; d < dim; ++d)
+        volume *= upper[d] - lower[d];
+      for (unsigned int i = 0; i < n_points; ++i)
+        {
+          dealii::Point<dim> regular, moved;
+          for (unsigned int d = 0, rest = i; d < dim; rest /= n, ++d)
+            {
+              regular[d] = (rest % n + 0.5) / n;
+              moved[d]   = std::clamp(regular[d] + jitter() * body.jitter / n,
+                                    margin,
+                                    1. - margin);
+            }
+          if (!body.shape->contains(in_cell(lower, upper, regular)))
+            continue;
+          const bool inside =
+            body.jitter > 0 &&
+            body.shape->contains(in_cell(lower, upper, moved));
+          const auto reference = inside ? moved : regular;
+          const auto x         = in_cell(lower, upper, reference);
+          if (error.empty())
+            error = overlap(scene, b, x);
+          seeds.push_back({cell, x, reference, b, volume, 0});
+        }
+    }
+
+    /// Scales the points' volumes to the exact ones of the bodies.
+    template <int dim>
+    void
+    scale_volumes(const Scene<dim>       &scene,
+                  std::vector<Seed<dim>> &seeds,
+                  const MPI_Comm          comm)
+    {
+      std::vector<double> sums(scene.bodies.size(), 0.), scaled(sums);
+      for (const auto &seed : seeds)
+        sums[seed.body] += seed.volume;
+      dealii::Utilities::MPI::sum(sums, comm, sums);
+      for (unsigned int b = 0; b < sums.size(); ++b)
+        {
+          const Body<dim> &body = scene.bodies[b];
+          if (sums[b] == 0.)
+            throw SceneError(
+              "The body '" + body.name +
+              "' gets no material point: its shape lies outside the domain or "
+              "between the lattice points. Refine the mesh or increase its "
+              "points per direction (" +
+              std::to_string(body.points_per_direction) + ").");
+          scaled[b] = body.shape->volume() / sums[b];
+        }
+      for (auto &seed : seeds)
+        seed.volume *= scaled[seed.body];
+    }
+
+    /// Numbers the points in their order, which is a global one.
+    template <int dim>
+    void
+    number(std::vector<Seed<dim>> &seeds, const MPI_Comm comm)
+    {
+      const unsigned long long n     = seeds.size();
+      unsigned long long       first = 0;
+      const auto counts = dealii::Utilities::MPI::all_gather(comm, n);
+      for (unsigned int r = 0;
+           r < dealii::Utilities::MPI::this_mpi_process(comm);
+           ++r)
+        first += counts[r];
+      for (auto &seed : seeds)
+        seed.id = first++;
+    }
+  } // namespace
+
+
+  template <int dim>
+  std::vector<Seed<dim>>
+  seed_points(const Scene<dim>                                        &scene,
+              const dealii::parallel::distributed::Triangulation<dim> &mesh)
+  {
+    const MPI_Comm         comm = mesh.get_communicator();
+    std::vector<Seed<dim>> seeds;
+    std::string            error;
+    for (const auto &cell : cells_on_curve(mesh))
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        seed_cell(scene, b, cell, seeds, error);
+    throw_on_all_ranks<SceneError>(comm, error);
+    scale_volumes(scene, seeds, comm);
+    number(seeds, comm);
+    return seeds;
+  }
+
+
+  template std::vector<Seed<2>>
+  seed_points(const Scene<2> &,
+              const dealii::parallel::distributed::Triangulation<2> &);
+  template std::vector<Seed<3>>
+  seed_points(const Scene<3> &,
+              const dealii::parallel::distributed::Triangulation<3> &);
+} // namespace selkie
