@@ -2,7 +2,6 @@
 #include <selkie/scene/check_scene.h>
 #include <selkie/scene/declare_scene.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace selkie
@@ -44,9 +43,7 @@ namespace selkie
              "Gravity/Acceleration",
              "the effect 'gravity' is listed with an acceleration of zero; "
              "allowed is any other, or remove the effect");
-      const auto &effects = scene.effects;
-      if (std::find(effects.begin(), effects.end(), "hydrostatic start") ==
-          effects.end())
+      if (!scene.has_effect("hydrostatic start"))
         return;
       if (!scene.gravity)
         fail(scene,
@@ -70,10 +67,7 @@ namespace selkie
     void
     check_body_force(const Scene<dim> &scene)
     {
-      const auto &effects = scene.effects;
-      const bool  listed =
-        std::find(effects.begin(), effects.end(), "body force") !=
-        effects.end();
+      const bool listed = scene.has_effect("body force");
       if (listed && !scene.body_force)
         fail(scene,
              "Body force/Acceleration",
@@ -85,18 +79,13 @@ namespace selkie
     void
     check_tractions(const Scene<dim> &scene)
     {
-      const auto &effects = scene.effects;
-      if (std::find(effects.begin(), effects.end(), "traction") !=
-            effects.end() &&
-          scene.tractions.empty())
+      if (scene.has_effect("traction") && scene.tractions.empty())
         fail(scene,
              "Tractions/Names",
              "the effect 'traction' is listed without a load");
       for (const auto &traction : scene.tractions)
         {
           const std::string path = "Tractions/" + traction.name + "/";
-          if (traction.body >= scene.bodies.size())
-            fail(scene, path + "Body", "the scene has no body");
           if (!traction.value)
             fail(scene, path + "Value", "the load needs a function");
           const Body<dim> &body = scene.bodies[traction.body];
@@ -105,8 +94,6 @@ namespace selkie
                  path + "Body",
                  "a traction acts on a solid, and '" + body.name +
                    "' is a fluid");
-          if (body.shape == nullptr)
-            continue;
           const double box = body.shape->bounding_box().volume();
           if (std::abs(body.shape->volume() - box) > 1e-10 * box)
             fail(scene,
@@ -139,11 +126,8 @@ namespace selkie
                "a velocity is given, so allowed is only 'prescribed'");
         moves = moves || prescribed;
       };
-      const auto &effects = scene.effects;
-      const bool  listed =
-        std::find(effects.begin(), effects.end(), "prescribed motion") !=
-        effects.end();
-      const auto names = wall_names<dim>();
+      const bool listed = scene.has_effect("prescribed motion");
+      const auto names  = wall_names<dim>();
       for (unsigned int w = 0; w < names.size(); ++w)
         check(scene.domain.walls[w].condition,
               scene.domain.walls[w].velocity != nullptr,
@@ -171,11 +155,8 @@ namespace selkie
     void
     check_probes(const Scene<dim> &scene)
     {
-      using Kind          = typename Probe<dim>::Kind;
-      const auto &effects = scene.effects;
-      if (std::find(effects.begin(), effects.end(), "probes") !=
-            effects.end() &&
-          scene.probes.empty())
+      using Kind = typename Probe<dim>::Kind;
+      if (scene.has_effect("probes") && scene.probes.empty())
         fail(scene,
              "Probes/Names",
              "the effect 'probes' is listed without a probe");

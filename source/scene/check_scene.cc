@@ -165,8 +165,8 @@ namespace selkie
     check_lme(scene);
     check_time(scene);
     check_inertia(scene);
-    check_effects(scene);
     check_geometry(scene);
+    check_effects(scene);
     check_output(scene);
   }
 

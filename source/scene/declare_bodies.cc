@@ -11,10 +11,27 @@ namespace selkie
 
   namespace
   {
+    /// The parameters of a law. Without the effect `viscosity` fluids have
+    /// none, whatever the law's default.
+    void
+    declare_law(ParameterHandler &prm, const LawRow &law, const bool viscous)
+    {
+      prm.enter_subsection("Law parameters");
+      law.declare(prm);
+      ParameterHandler alone;
+      law.declare(alone);
+      for (const auto &parameter : declared_parameters(alone))
+        if (parameter.path == "Viscosity" && !viscous)
+          prm.set("Viscosity", "0");
+      prm.leave_subsection();
+    }
+
+
     template <int dim>
     void
     declare_body(ParameterHandler  &prm,
                  const LawRow      &law,
+                 const bool         viscous,
                  const std::string &name,
                  Body<dim>         &body)
     {
@@ -49,9 +66,7 @@ namespace selkie
                    body.initial_velocity,
                    "One function of x, y, z per component, separated by "
                    "semicolons; at rest if empty. Units: m/s.");
-      prm.enter_subsection("Law parameters");
-      law.declare(prm);
-      prm.leave_subsection();
+      declare_law(prm, law, viscous);
       prm.leave_subsection();
     }
 
@@ -126,7 +141,11 @@ namespace selkie
                       "subsection. Units: none.");
     scene.bodies.resize(names.bodies.size());
     for (unsigned int i = 0; i < names.bodies.size(); ++i)
-      declare_body(prm, *names.laws[i], names.bodies[i], scene.bodies[i]);
+      declare_body(prm,
+                   *names.laws[i],
+                   names.has_effect("viscosity"),
+                   names.bodies[i],
+                   scene.bodies[i]);
     prm.leave_subsection();
 
     prm.enter_subsection("Node sets");

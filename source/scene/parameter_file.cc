@@ -223,6 +223,31 @@ namespace selkie
     }
 
 
+    /// Where the name of an undeclared subsection would have to be listed.
+    std::string
+    hint_at_names(const ParameterHandler         &prm,
+                  const std::vector<std::string> &sections)
+    {
+      std::string              parent;
+      std::vector<std::string> path;
+      for (const auto &section : sections)
+        {
+          path.push_back(section);
+          if (prm.subsection_path_exists(path))
+            {
+              parent += section + "/";
+              continue;
+            }
+          for (const auto &parameter : declared_parameters(prm))
+            if (parameter.path == parent + "Names")
+              return "; '" + parameter.path + "' does not list '" + section +
+                     "'";
+          break;
+        }
+      return "";
+    }
+
+
     /// What an undeclared parameter could have been instead.
     std::string
     why_unknown(const ParameterHandler &prm, const ParameterEntry &entry)
@@ -243,7 +268,8 @@ namespace selkie
             subsections.insert(rest.substr(0, slash));
         }
       if (names.empty() && subsections.empty())
-        return "there is no subsection '" + section + "' in this scene";
+        return "there is no subsection '" + section + "' in this scene" +
+               hint_at_names(prm, entry.sections);
       std::string why =
         "there is no such parameter. Allowed here are: " + join(names, ", ");
       if (!subsections.empty())

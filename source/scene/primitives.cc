@@ -26,13 +26,14 @@ namespace selkie
 
 
     template <int dim>
-    void
-    check_corners(const Point<dim> &lower, const Point<dim> &upper)
+    BoundingBox<dim>
+    checked_box(const Point<dim> &lower, const Point<dim> &upper)
     {
       for (unsigned int d = 0; d < dim; ++d)
         if (!(lower[d] < upper[d]))
           throw SceneError("its lower corner must be below and left of its "
                            "upper corner; it has no volume");
+      return BoundingBox<dim>({lower, upper});
     }
 
 
@@ -41,11 +42,9 @@ namespace selkie
     {
     public:
       Box(const Point<dim> &lower, const Point<dim> &upper)
-        : box({lower, upper})
+        : box(checked_box(lower, upper))
         , tolerance(round_off * size(lower, upper))
-      {
-        check_corners(lower, upper);
-      }
+      {}
 
       bool
       contains(const Point<dim> &x) const override

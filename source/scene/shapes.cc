@@ -240,7 +240,7 @@ namespace selkie
               }
             if (c == ',' && depth == 1)
               arguments.emplace_back();
-            else
+            else if (!std::isspace(c) || !arguments.back().empty())
               arguments.back() += c;
           }
         fail("a ')' is missing");

@@ -20,13 +20,15 @@ echo "earlier results" >"$folder/output/scene/statistics.csv"
 cd "$folder" || exit 1
 fingerprint() { find . -type f -exec cksum {} + -o -type d -print | sort; }
 before=$(fingerprint)
-message=$("$@" 2>&1 >/dev/null)
+complete=$("$@" 2>&1 >/dev/null)
 code=$?
+# mpirun adds a note of its own about the exit code, in a frame of dashes.
+message=$(sed '/^---/,$d' <<<"$complete")
 after=$(fingerprint)
 
 fail() {
   echo "FAILED: $1"
-  echo "$message"
+  echo "$complete"
   exit 1
 }
 [ "$code" = 1 ] || fail "exit code $code, expected 1"

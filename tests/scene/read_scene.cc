@@ -175,6 +175,35 @@ TEST(ReadScene, PrescribedMotionWithAFreeComponent)
 }
 
 
+TEST(ReadScene, TractionAndBodyForce)
+{
+  const std::string              file = benchmarks + "cantilever.prm";
+  const std::vector<std::string> base = {
+    "Effects=inertia, gravity, probes, traction, body force",
+    "Tractions/Names=pull",
+    "Tractions/pull/Face=right",
+    "Tractions/pull/Value=0; 1e3*t",
+    "Body force/Acceleration=X; 0"};
+  const auto scene = read_scene<2>(file, base);
+  ASSERT_EQ(scene.tractions.size(), 1u);
+  EXPECT_EQ(scene.tractions[0].face, 1u);
+  EXPECT_EQ(scene.tractions[0].body, 0u);
+  const dealii::Point<2> p(2., 0.);
+  EXPECT_DOUBLE_EQ(scene.tractions[0].value->value(p, 2.)[1], 2e3);
+  EXPECT_DOUBLE_EQ(scene.body_force->value(p, 0., p)[0], 2.);
+
+  auto no_box = base;
+  no_box.push_back("Bodies/beam/Shape=box(0, 0, 4, 1) - disc(2, 0.5, 0.2)");
+  EXPECT_THROW(read_scene<2>(file, no_box), SceneError);
+  auto no_value = base;
+  no_value.push_back("Tractions/pull/Value=");
+  EXPECT_THROW(read_scene<2>(file, no_value), SceneError);
+  auto no_such_body = base;
+  no_such_body.push_back("Tractions/pull/Body=rope");
+  EXPECT_THROW(read_scene<2>(file, no_such_body), SceneError);
+}
+
+
 TEST(ReadScene, Refusals)
 {
   expect_refusal({"Time/Stepp=1"}, "Time/Stepp", "Allowed here are: End time");

@@ -6,6 +6,7 @@
 
 #include <deal.II/base/point.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -265,6 +266,12 @@ namespace selkie
     has_fluid() const
     {
       return fluid_pressure.has_value();
+    }
+
+    bool
+    has_effect(const std::string &name) const
+    {
+      return std::find(effects.begin(), effects.end(), name) != effects.end();
     }
   };
 } // namespace selkie
