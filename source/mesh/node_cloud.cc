@@ -1,3 +1,4 @@
+#include <selkie/base/types.h>
 #include <selkie/mesh/node_cloud.h>
 
 #include <deal.II/base/bounding_box.h>
@@ -291,6 +292,28 @@ namespace selkie
             cell_corners[cell->active_cell_index()][v] =
               partition->global_to_local(indices[v]);
         }
+
+    // Every cell tells its corners, on whatever rank their owners are.
+    Vector share(partition), count(partition);
+    for (const auto &cell : dofs.active_cell_iterators())
+      if (cell->is_locally_owned())
+        for (const unsigned int node : cell_corners[cell->active_cell_index()])
+          {
+            share.local_element(node) += cell->measure() / (1u << dim);
+            count.local_element(node) += 1.;
+          }
+    for (auto *vector : {&share, &count})
+      {
+        vector->compress(dealii::VectorOperation::add);
+        vector->update_ghost_values();
+      }
+    volumes.resize(size());
+    cells_around.resize(size());
+    for (unsigned int node = 0; node < size(); ++node)
+      {
+        volumes[node]      = share.local_element(node);
+        cells_around[node] = std::lround(count.local_element(node));
+      }
   }
 
 
@@ -405,6 +428,24 @@ namespace selkie
         nodes.shrink_to_fit();
       }
     return nodes;
+  }
+
+
+  template <int dim>
+  unsigned int
+  NodeCloud<dim>::n_cells_around(const unsigned int node) const
+  {
+    AssertIndexRange(node, cells_around.size());
+    return cells_around[node];
+  }
+
+
+  template <int dim>
+  double
+  NodeCloud<dim>::volume(const unsigned int node) const
+  {
+    AssertIndexRange(node, volumes.size());
+    return volumes[node];
   }
 
 

@@ -299,6 +299,21 @@ namespace selkie
   }
 
 
+  /// The ranks that own positions in cells that this rank does not know.
+  /// deal.II's function is collective, contrary to what its manual says (it
+  /// unites the manifold ids of all ranks), so that all ranks call it or none.
+  template <int dim>
+  std::vector<dealii::types::subdomain_id>
+  ParticleSet<dim>::owners_of(
+    const std::vector<dealii::Point<dim>> &positions) const
+  {
+    const unsigned int asks = positions.empty() ? 0 : 1;
+    if (dealii::Utilities::MPI::max(asks, communicator()) == 0)
+      return {};
+    return mesh.find_point_owner_rank(positions);
+  }
+
+
   /**
    * Puts points into their cells, on whatever rank. A rank that has a point's
    * cell as ghost knows its owner; for one further away p4est tells a rank
@@ -314,6 +329,8 @@ namespace selkie
     for (unsigned int round = 0; round < 5; ++round)
       {
         std::map<unsigned int, std::vector<std::vector<double>>> outgoing;
+        std::vector<const std::vector<double> *>                 far_away;
+        std::vector<dealii::Point<dim>>                          far_positions;
         for (const auto &record : here)
           {
             const auto x     = packed_position<dim>(record);
@@ -323,8 +340,14 @@ namespace selkie
             else if (place.cell->is_ghost())
               outgoing[place.cell->subdomain_id()].push_back(record);
             else
-              outgoing[mesh.find_point_owner_rank(x)].push_back(record);
+              {
+                far_away.push_back(&record);
+                far_positions.push_back(x);
+              }
           }
+        const auto owners = owners_of(far_positions);
+        for (unsigned int i = 0; i < far_away.size(); ++i)
+          outgoing[owners[i]].push_back(*far_away[i]);
         const unsigned int sends = outgoing.empty() ? 0 : 1;
         if (dealii::Utilities::MPI::max(sends, communicator()) == 0)
           return;

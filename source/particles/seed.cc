@@ -25,20 +25,17 @@ namespace selkie
 
     /// The locally owned cells along p4est's space-filling curve, on which
     /// the ranks' pieces follow each other: a global order of all cells that
-    /// does not depend on the partition.
+    /// does not depend on the partition. It is the order of the CellIds (whose
+    /// coarse numbers are those of p4est's trees).
     template <int dim>
     std::vector<typename Mesh<dim>::active_cell_iterator>
     cells_on_curve(const Mesh<dim> &mesh)
     {
-      const auto &tree_of = mesh.get_coarse_cell_to_p4est_tree_permutation();
-      using Cell          = typename Mesh<dim>::active_cell_iterator;
-      std::vector<std::pair<std::pair<std::size_t, dealii::CellId>, Cell>> keys;
+      using Cell = typename Mesh<dim>::active_cell_iterator;
+      std::vector<std::pair<dealii::CellId, Cell>> keys;
       for (const auto &cell : mesh.active_cell_iterators())
         if (cell->is_locally_owned())
-          {
-            const dealii::CellId id = cell->id();
-            keys.push_back({{tree_of[id.get_coarse_cell_id()], id}, cell});
-          }
+          keys.emplace_back(cell->id(), cell);
       std::sort(keys.begin(), keys.end(), [](const auto &a, const auto &b) {
         return a.first < b.first;
       });

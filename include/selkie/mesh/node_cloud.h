@@ -97,6 +97,14 @@ namespace selkie
     const std::vector<unsigned int> &
     nodes_near(const Cell &cell) const;
 
+    /// Number of cells of the mesh that have the node as a corner.
+    unsigned int
+    n_cells_around(const unsigned int node) const;
+
+    /// The node's share of the cells around it (m^dim).
+    double
+    volume(const unsigned int node) const;
+
     /// Smallest h of the whole mesh (m).
     double
     smallest_spacing() const;
@@ -122,7 +130,8 @@ namespace selkie
     double                                                   smallest;
 
     std::vector<dealii::Point<dim>> positions;
-    std::vector<double>             spacings;
+    std::vector<double>             spacings, volumes;
+    std::vector<unsigned int>       cells_around;
     /// Place of each local node in the order of positions.
     std::vector<unsigned int>   rank_of_position;
     std::unique_ptr<const Tree> tree; ///< boxes of the nodes' reaches

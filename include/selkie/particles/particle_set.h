@@ -136,6 +136,8 @@ namespace selkie
     void
     insert(const std::vector<double>                 &record,
            const typename CellLocator<dim>::Location &place);
+    std::vector<dealii::types::subdomain_id>
+    owners_of(const std::vector<dealii::Point<dim>> &positions) const;
     void
     deliver(const std::vector<std::vector<double>> &records);
     std::string

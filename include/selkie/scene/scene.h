@@ -6,6 +6,7 @@
 
 #include <deal.II/base/point.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -41,19 +42,21 @@ namespace selkie
   struct Wall
   {
     NodeCondition                          condition = NodeCondition::slip;
-    std::shared_ptr<VectorExpression<dim>> velocity; ///< m/s, if prescribed
+    std::array<bool, dim>                  components{}; ///< which are held
+    std::shared_ptr<VectorExpression<dim>> velocity;     ///< m/s, if prescribed
   };
 
   /// The box in which everything happens, and its background mesh.
   template <int dim>
   struct Domain
   {
-    dealii::Point<dim>            lower, upper; ///< m
-    std::array<unsigned int, dim> cells;        ///< coarsest active cells
+    dealii::Point<dim>             lower, upper; ///< m
+    std::array<unsigned int, dim>  cells;        ///< coarsest active cells
     std::array<Wall<dim>, 2 * dim> walls;
     /// Cells that touch the shape are refined this many times more.
     struct Refinement
     {
+      std::string                       name;
       std::shared_ptr<const Shape<dim>> shape;
       unsigned int                      levels = 1;
     };
@@ -68,19 +71,19 @@ namespace selkie
     std::string                            name;
     std::shared_ptr<const Shape<dim>>      shape;
     NodeCondition                          condition = NodeCondition::fixed;
-    std::array<bool, dim>                  components; ///< which are held
-    std::shared_ptr<VectorExpression<dim>> velocity;   ///< m/s, if prescribed
+    std::array<bool, dim>                  components{}; ///< which are held
+    std::shared_ptr<VectorExpression<dim>> velocity;     ///< m/s, if prescribed
   };
 
   /// A named region of one material.
   template <int dim>
   struct Body
   {
-    std::string                            name;
-    std::shared_ptr<const Law>             law;
-    std::shared_ptr<const Shape<dim>>      shape;
-    unsigned int                           points_per_direction = 2; ///< per cell
-    double                                 jitter = 0; ///< of the point spacing
+    std::string                       name;
+    std::shared_ptr<const Law>        law;
+    std::shared_ptr<const Shape<dim>> shape;
+    unsigned int                      points_per_direction = 2; ///< per cell
+    double                            jitter = 0; ///< of the point spacing
     std::shared_ptr<VectorExpression<dim>> initial_velocity; ///< may be null
     bool                                   hydrostatic_start = false;
     /// Which points share nodes: all fluids are phase 0, each solid body is a
@@ -90,8 +93,8 @@ namespace selkie
 
   struct LmeParameters
   {
-    double gamma             = 3.;   ///< locality, beta_a = gamma / h_a^2
-    double support_tolerance = 1e-6; ///< weights below it are cut
+    double gamma             = 3.;    ///< locality, beta_a = gamma / h_a^2
+    double support_tolerance = 1e-6;  ///< weights below it are cut
     double newton_tolerance  = 1e-12; ///< |r| / h
   };
 
@@ -136,6 +139,7 @@ namespace selkie
   template <int dim>
   struct Traction
   {
+    std::string                            name;
     unsigned int                           body = 0;
     unsigned int                           face = 0; ///< x-, x+, y-, …
     std::shared_ptr<VectorExpression<dim>> value;    ///< Pa, of X, x, t
@@ -143,11 +147,11 @@ namespace selkie
 
   struct TimeParameters
   {
-    double       end_time       = 1.;   ///< s
-    double       step           = 1e-3; ///< s
-    double       smallest_step  = 0.;   ///< s; 0: step / 1024
-    unsigned int easy_steps     = 5;    ///< good steps before a cut step grows
-    double       max_move       = 0.5;  ///< cells a point may move in a step
+    double       end_time      = 1.;   ///< s
+    double       step          = 1e-3; ///< s
+    double       smallest_step = 0.;   ///< s; 0: step / 1024
+    unsigned int easy_steps    = 5;    ///< good steps before a cut step grows
+    double       max_move      = 0.5;  ///< cells a point may move in a step
   };
 
   struct NewtonParameters
@@ -189,11 +193,11 @@ namespace selkie
   {
     enum class Kind
     {
-      point,     ///< mean of the points that were within `radius` of `position`
-      region,    ///< mean of the points that were inside `shape` at the start
-      wall_force,///< reaction on wall `wall`, N (N/m in 2D)
-      front,     ///< largest coordinate `axis` reached by body `body`, m
-      extent     ///< min, max of body's coordinates and its volume, centroid
+      point,  ///< mean of the points that were within `radius` of `position`
+      region, ///< mean of the points that were inside `shape` at the start
+      wall_force, ///< reaction on wall `wall`, N (N/m in 2D)
+      front,      ///< largest coordinate `axis` reached by body `body`, m
+      extent      ///< min, max of body's coordinates and its volume, centroid
     };
     std::string                       name;
     Kind                              kind = Kind::point;
@@ -207,16 +211,23 @@ namespace selkie
 
   struct OutputParameters
   {
-    std::string  directory;           ///< set by --output or the scene
-    double       interval     = 0.02; ///< s between VTU files; 0: none
-    bool         mesh         = true; ///< mesh.pvd with nodal fields
-    double       probe_interval = 0.; ///< s; 0: every step
+    std::string directory;             ///< set by --output or the scene
+    double      interval       = 0.02; ///< s between VTU files; 0: none
+    bool        mesh           = true; ///< mesh.pvd with nodal fields
+    double      probe_interval = 0.;   ///< s; 0: every step
+  };
+
+  /// The value that a parameter has in the end, and who gave it.
+  struct ParameterValue
+  {
+    std::string value;
+    std::string origin; ///< "file.prm:12", "--set" or, for a default, ""
   };
 
   template <int dim>
   struct Scene
   {
-    std::string   file;  ///< the .prm that it was read from
+    std::string   file; ///< the .prm that it was read from
     std::string   title;
     Approximation approximation = Approximation::lme_mpm;
     Domain<dim>   domain;
@@ -234,7 +245,7 @@ namespace selkie
 
     // Effects: absent unless the scene lists them.
     std::optional<Inertia>                 inertia;
-    std::optional<dealii::Tensor<1, dim>>  gravity; ///< m/s^2
+    std::optional<dealii::Tensor<1, dim>>  gravity;    ///< m/s^2
     std::shared_ptr<VectorExpression<dim>> body_force; ///< m/s^2, of X, x, t
     bool                                   viscosity = false;
     std::optional<FluidPressure>           fluid_pressure;
@@ -244,10 +255,23 @@ namespace selkie
     /// The names of the active effects, in the scene's words.
     std::vector<std::string> effects;
 
+    /// Every parameter by its path, as in "Bodies/water/Density": for messages
+    /// and for reports.
+    std::map<std::string, ParameterValue> parameters;
+
+    /// The same as a .prm, which reads back as this scene: parameters.prm.
+    std::string resolved;
+
     bool
     has_fluid() const
     {
       return fluid_pressure.has_value();
+    }
+
+    bool
+    has_effect(const std::string &name) const
+    {
+      return std::find(effects.begin(), effects.end(), name) != effects.end();
     }
   };
 } // namespace selkie

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <selkie/assembly/node_conditions.h>
+#include <selkie/base/types.h>
+#include <selkie/mesh/node_cloud.h>
+#include <selkie/shape/occupancy.h>
+#include <selkie/shape/support_table.h>
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/partitioner.h>
+
+#include <deal.II/lac/trilinos_sparse_matrix.h>
+
+#include <memory>
+#include <vector>
+
+namespace selkie
+{
+  /**
+   * The unknowns of one step: dim displacement increments at every active
+   * node and a pressure at those of the fluid. Empty cells have none.
+   *
+   * Each rank owns a contiguous range: first the displacements of its nodes
+   * (node-major), then the pressures. Local indices are those of partitioner():
+   * owned unknowns first, then ghosts.
+   */
+  template <int dim>
+  class System
+  {
+  public:
+    System(const NodeCloud<dim>      &cloud,
+           const NodeConditions<dim> &conditions,
+           const bool                 has_fluid);
+
+    /// Numbers the unknowns anew; builds the sparsity pattern only when node
+    /// lists or numbers have changed on some rank. Collective.
+    void
+    reinit(const Occupancy<dim> &occupancy, const SupportTable<dim> &table);
+
+    /// Local index of the first displacement component of a cloud node.
+    unsigned int
+    displacement(const unsigned int node) const
+    {
+      return u_index[node];
+    }
+
+    /// Local index of the pressure of a cloud node, or invalid_index.
+    unsigned int
+    pressure(const unsigned int node) const
+    {
+      return p_index.empty() ? invalid_index : p_index[node];
+    }
+
+    /// Owned nodes that carry unknowns, in the order of their unknowns.
+    const std::vector<unsigned int> &
+    owned_nodes() const
+    {
+      return nodes;
+    }
+
+    /// Owned nodes with a pressure, in the order of their pressures.
+    const std::vector<unsigned int> &
+    owned_pressure_nodes() const
+    {
+      return p_nodes;
+    }
+
+    /// Whether the unknown (local index) is prescribed.
+    bool
+    held(const unsigned int index) const
+    {
+      return is_held[index];
+    }
+
+    unsigned int
+    n_owned() const
+    {
+      return n_u + n_p;
+    }
+
+    unsigned int
+    n_owned_displacements() const
+    {
+      return n_u;
+    }
+
+    dealii::types::global_dof_index
+    n_global() const
+    {
+      return partition->size();
+    }
+
+    dealii::types::global_dof_index
+    n_global_pressures() const
+    {
+      return n_p_global;
+    }
+
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
+    partitioner() const
+    {
+      return partition;
+    }
+
+    void
+    initialize(Vector &vector) const
+    {
+      vector.reinit(partition);
+    }
+
+    /// The matrix of the present sparsity; its values are the assembler's.
+    dealii::TrilinosWrappers::SparseMatrix &
+    matrix()
+    {
+      return tangent;
+    }
+
+    /// Matrix column (Epetra's local index) of an unknown's local index.
+    int
+    column(const unsigned int index) const
+    {
+      return columns[index];
+    }
+
+    unsigned int
+    n_sparsity_builds() const
+    {
+      return sparsity_builds;
+    }
+
+    const NodeCloud<dim>      &cloud;
+    const NodeConditions<dim> &conditions;
+
+  private:
+    void
+    number_unknowns(const Occupancy<dim> &occupancy,
+                    const SupportTable<dim> &table);
+    void
+    build_sparsity(const SupportTable<dim> &table);
+    std::size_t
+    structure_hash(const SupportTable<dim> &table) const;
+
+    const bool has_fluid;
+
+    std::vector<unsigned int> nodes, p_nodes, u_index, p_index;
+    std::vector<bool>         is_held;
+    unsigned int              n_u = 0, n_p = 0;
+    dealii::types::global_dof_index n_p_global = 0;
+
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
+    dealii::TrilinosWrappers::SparseMatrix                     tangent;
+    std::vector<int>                                           columns;
+    std::size_t  last_hash       = 0;
+    unsigned int sparsity_builds = 0;
+  };
+} // namespace selkie

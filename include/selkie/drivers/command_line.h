@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace selkie
+{
+  /// What the user asks for.
+  struct CommandLine
+  {
+    enum class Command
+    {
+      run,        ///< read, check and run a scene
+      check,      ///< read and check it, say what a run would cost
+      parameters, ///< print the reference of all parameters
+      help,
+      version
+    };
+    Command                  command = Command::run;
+    std::string              file;
+    std::vector<std::string> overrides; ///< --set and --output
+    bool                     markdown = false;
+  };
+
+  /// @param arguments without the program's name
+  /// @throw SceneError for an unknown option, a missing file and the like.
+  CommandLine
+  parse_command_line(const std::vector<std::string> &arguments);
+
+  /// The text of --help.
+  std::string
+  help_text();
+
+  /// The text of --version: version, git hash, build type, libraries.
+  std::string
+  version_text();
+} // namespace selkie

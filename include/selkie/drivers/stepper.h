@@ -1,0 +1,123 @@
+#pragma once
+
+#include <selkie/assembly/assembler.h>
+#include <selkie/base/timer_tree.h>
+#include <selkie/mesh/node_cloud.h>
+#include <selkie/particles/particle_set.h>
+#include <selkie/shape/lme_support.h>
+#include <selkie/solver/linear_solver.h>
+#include <selkie/solver/newton.h>
+#include <selkie/terms/term_table.h>
+#include <selkie/transfer/transfer.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace selkie
+{
+  /// What one step did.
+  template <int dim>
+  struct StepReport
+  {
+    NewtonResult       newton;
+    double             lambda_iterations     = 0; ///< mean over all points
+    unsigned int       max_lambda_iterations = 0;
+    unsigned long long unknowns = 0, patches = 0;
+    double             dissipated    = 0; ///< heat (J)
+    double             external_work = 0; ///< loads and moving walls (J)
+    double             reset_energy  = 0; ///< by the J reset (J)
+    double             largest_speed = 0; ///< of the nodes (m/s)
+    /// Force of the matter on each wall (N; N/m in 2D).
+    std::vector<dealii::Tensor<1, dim>> wall_force;
+  };
+
+  /**
+   * One step of LME-MPM (design.md, section 2): supports, projection, Newton
+   * on displacement increments and pressures, update of the points. Until the
+   * step has converged nothing but scratch is written, so a failed step is
+   * undone by not using it.
+   */
+  template <int dim>
+  class Stepper
+  {
+  public:
+    Stepper(const Scene<dim>                        &scene,
+            ParticleSet<dim>                        &particles,
+            const NodeCloud<dim>                    &cloud,
+            TimerTree                               &timers,
+            std::function<void(const std::string &)> log);
+
+    /// Gives the points the acceleration that balances the forces at t = 0.
+    void
+    start(const double t, const double dt);
+
+    /// Advances the points from t to t + dt. Throws NumericalFailure, with the
+    /// points untouched.
+    StepReport<dim>
+    step(const double t, const double dt);
+
+    /// Velocity, pressure and mass of the nodes at the end of the last step,
+    /// in cloud numbering; zero at nodes without unknowns.
+    struct NodalFields
+    {
+      std::array<Vector, dim> velocity;
+      Vector                  mass, pressure;
+    };
+    NodalFields
+    nodal_fields(const double dt) const;
+
+    /// The names of the active terms.
+    std::vector<std::string>
+    term_names() const;
+
+    const System<dim> &
+    system() const
+    {
+      return unknowns;
+    }
+
+    const SupportTable<dim> &
+    supports() const
+    {
+      return table;
+    }
+
+    /// The solver that the last system used, and why it was chosen.
+    std::string
+    solver_in_use(const double dt) const;
+
+  private:
+    void
+    build_supports(const double t, const double dt);
+    NewtonProblem
+    newton_problem(const StepTime &time);
+    SystemTraits
+    traits(const Newmark &newmark) const;
+    void
+    set_predictor(const Newmark &newmark);
+    double
+    residual_scale(const Newmark &newmark) const;
+    void
+    collect(const StepTime &time, const Vector &residual, StepReport<dim> &);
+    Newmark
+    newmark(const double dt) const;
+
+    const Scene<dim>                                   &scene;
+    ParticleSet<dim>                                   &particles;
+    const NodeCloud<dim>                               &cloud;
+    TimerTree                                          &timers;
+    const NodeConditions<dim>                           conditions;
+    const std::vector<std::unique_ptr<const Term<dim>>> terms;
+
+    System<dim>       unknowns;
+    Assembler<dim>    assembler;
+    LinearSolver<dim> linear_solver;
+    SupportTable<dim> table;
+    StepFields        fields;
+    Vector            stored_pressure;
+    double            scale_u = 0, scale_p = 0; ///< of the residual
+    double            pressure_unit = 1;        ///< Pa
+  };
+} // namespace selkie

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <selkie/scene/scene.h>
+
+#include <string>
+
+namespace selkie
+{
+  /**
+   * All rules that need more than one parameter, before anything is allocated
+   * or written. read_scene() calls it.
+   * @throw SceneError naming file, parameter, value and what is allowed.
+   */
+  template <int dim>
+  void
+  check_scene(const Scene<dim> &scene);
+
+  /// The part of check_scene() that looks at places: domain, bodies, node
+  /// sets, refinements.
+  template <int dim>
+  void
+  check_geometry(const Scene<dim> &scene);
+
+  /// The part of check_scene() that looks at the effects.
+  template <int dim>
+  void
+  check_effects(const Scene<dim> &scene);
+
+  /// Ends with a SceneError about one parameter of a scene.
+  template <int dim>
+  [[noreturn]] void
+  fail(const Scene<dim>  &scene,
+       const std::string &path,
+       const std::string &why);
+
+  /// Smallest extent of the cells before refinement, m.
+  template <int dim>
+  double
+  cell_size(const Domain<dim> &domain);
+} // namespace selkie

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <selkie/laws/law_table.h>
+#include <selkie/scene/scene.h>
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <string>
+#include <vector>
+
+namespace selkie
+{
+  /// What a scene says before its parameters can be declared: the names of
+  /// its parts, in the order in which the scene lists them.
+  struct SceneNames
+  {
+    std::vector<std::string>    effects;
+    std::vector<std::string>    bodies;
+    std::vector<const LawRow *> laws; ///< one per body
+    std::vector<std::string>    refinements, node_sets, tractions, probes;
+
+    bool
+    has_effect(const std::string &name) const;
+
+    bool
+    has_fluid() const;
+  };
+
+  /// One effect that a scene can list.
+  struct EffectRow
+  {
+    std::string name;
+    std::string section; ///< its subsection, or "" if it has none
+    std::string documentation;
+  };
+
+  /// All effects, in the order of the parameter reference. The fluid pressure
+  /// is not listed: it comes with a fluid.
+  const std::vector<EffectRow> &
+  effect_table();
+
+  /// Names of the walls in boundary order: left, right, bottom, top (, front,
+  /// back); faces of a box have the same names.
+  template <int dim>
+  std::vector<std::string>
+  wall_names();
+
+  /// Declares every parameter that a scene with these names has, tied to the
+  /// members of @p scene, which has to outlive @p prm. Bodies' laws and
+  /// references between the parts are left to read_scene().
+  template <int dim>
+  void
+  declare_scene(dealii::ParameterHandler &prm,
+                const SceneNames         &names,
+                Scene<dim>               &scene);
+
+  /// Two parts of declare_scene(), in files of their own: the bodies, and the
+  /// subsections of the listed effects.
+  template <int dim>
+  void
+  declare_bodies(dealii::ParameterHandler &prm,
+                 const SceneNames         &names,
+                 Scene<dim>               &scene);
+  template <int dim>
+  void
+  declare_effects(dealii::ParameterHandler &prm,
+                  const SceneNames         &names,
+                  Scene<dim>               &scene);
+} // namespace selkie

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <selkie/base/types.h>
+#include <selkie/scene/scene.h>
+
+#include <functional>
+#include <vector>
+
+namespace selkie
+{
+  /// What Newton's method needs of an equation R(x) = 0.
+  struct NewtonProblem
+  {
+    /// R at x. May throw InvertedPoint (on every rank).
+    std::function<void(Vector &x, Vector &residual)> residual;
+
+    /// Solves K(x) dx = -residual; returns the linear iterations.
+    std::function<unsigned int(Vector &x, const Vector &residual, Vector &dx)>
+      solve;
+
+    /// Size of a residual in units of its tolerance: converged when <= 1.
+    std::function<double(const Vector &residual)> error;
+
+    /// Largest |dx| allowed relative to its limit: dx is scaled down to 1.
+    std::function<double(const Vector &dx)> step_size;
+  };
+
+  struct NewtonResult
+  {
+    unsigned int        iterations = 0, linear_iterations = 0;
+    std::vector<double> errors; ///< of the iterates, in units of the tolerance
+  };
+
+  /**
+   * Newton's method with a line search by halving. At least one iteration is
+   * made. Throws NewtonFailure, with the history of the residual and what to
+   * try, when max_iterations do not suffice, a residual is not finite, or no
+   * fraction of a step can be evaluated.
+   */
+  NewtonResult
+  newton(const NewtonProblem    &problem,
+         const NewtonParameters &parameters,
+         Vector                 &x);
+} // namespace selkie

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <selkie/assembly/assembler.h>
+#include <selkie/assembly/system.h>
+#include <selkie/base/types.h>
+#include <selkie/particles/particle_set.h>
+#include <selkie/shape/support_table.h>
+#include <selkie/time/newmark.h>
+
+namespace selkie
+{
+  /**
+   * Points to nodes: lumped mass M_a = sum m N_a and the lumped recovery of
+   * velocity and acceleration, v_a = sum m N_a v_p / M_a (with TPIC
+   * v_p + grad v_p (x_a - x_p)). Prescribed entries take the prescribed
+   * velocity. Pressures start from the stored nodal pressure, or, where the
+   * node had none, from the points' mean.
+   *
+   * @param stored_pressure of the last step, cloud numbering; NaN where none.
+   * @param fields is initialised here on the system's numbering, ghosts
+   *        included; fields.x holds zero increments and the pressures.
+   */
+  template <int dim>
+  void
+  project(const ParticleSet<dim>  &particles,
+          const SupportTable<dim> &table,
+          const System<dim>       &system,
+          const double             t_n,
+          const double             dt,
+          const Vector            &stored_pressure,
+          StepFields              &fields);
+
+  /// Nodal pressures of the iterate in cloud numbering, NaN where none, with
+  /// ghosts.
+  template <int dim>
+  void
+  store_pressure(const System<dim> &system,
+                 const StepFields  &fields,
+                 Vector            &stored_pressure);
+
+  /**
+   * Volume drift: points that crowd (theta > 1 + deadband, theta = volume of
+   * the points at a node over the node's volume) get a slightly smaller J_n,
+   * so that the fluid expands again (formulation.md 4, quadrature.md 4).
+   */
+  template <int dim>
+  void
+  correct_volume(const FluidPressure &parameters,
+                 const System<dim>   &system,
+                 SupportTable<dim>   &table);
+
+  /// Interpolates nodal accelerations to the points: the start of a run.
+  template <int dim>
+  void
+  set_accelerations(ParticleSet<dim>        &particles,
+                    const SupportTable<dim> &table,
+                    const System<dim>       &system,
+                    const Vector            &a);
+
+  /// What the update of the points did that the equations do not know of.
+  struct AdvanceReport
+  {
+    double reset_energy = 0; ///< compression energy added by the J reset (J)
+  };
+
+  /**
+   * Nodes to points, the only writer of point data: positions, velocities
+   * (FLIP or TPIC), accelerations, deformation gradients of solids, and the
+   * reset of fluid points' J from the nodal pressure.
+   * @return report, summed over the ranks.
+   */
+  template <int dim>
+  AdvanceReport
+  advance(ParticleSet<dim>        &particles,
+          const SupportTable<dim> &table,
+          const System<dim>       &system,
+          const Newmark           &newmark,
+          const StepFields        &fields);
+} // namespace selkie

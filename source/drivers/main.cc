@@ -1,0 +1,117 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/drivers/command_line.h>
+#include <selkie/drivers/simulation.h>
+#include <selkie/scene/read_scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+namespace
+{
+  using namespace selkie;
+
+  enum ExitCode
+  {
+    done              = 0,
+    bad_input         = 1,
+    numerical_failure = 2
+  };
+
+
+  template <int dim>
+  int
+  run_or_check(const CommandLine &command_line, const MPI_Comm comm)
+  {
+    const Scene<dim> scene =
+      read_scene<dim>(command_line.file, command_line.overrides);
+    if (command_line.command == CommandLine::Command::run)
+      return run_scene(scene, comm);
+    print_plan(scene, comm);
+    return done;
+  }
+
+
+  int
+  execute(const std::vector<std::string> &arguments, const MPI_Comm comm)
+  {
+    using Command = CommandLine::Command;
+
+    const CommandLine command_line = parse_command_line(arguments);
+    const bool is_first = dealii::Utilities::MPI::this_mpi_process(comm) == 0;
+    const auto print    = [&](const std::string &text) {
+      if (is_first)
+        std::cout << text << std::flush;
+      return done;
+    };
+    switch (command_line.command)
+      {
+        case Command::help:
+          return print(help_text());
+        case Command::version:
+          return print(version_text());
+        case Command::parameters:
+          return print(parameter_reference(command_line.markdown));
+        case Command::run:
+        case Command::check:
+          break;
+      }
+    return read_dimension(command_line.file, command_line.overrides) == 2
+             ? run_or_check<2>(command_line, comm)
+             : run_or_check<3>(command_line, comm);
+  }
+
+
+  int
+  report(const std::string &what, const ExitCode code)
+  {
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      std::cerr << "selkie: error: " << what << std::endl;
+    return code;
+  }
+
+
+  /// An error that is not ours need not have happened on all ranks: end the
+  /// others too, that they do not wait for ever.
+  int
+  report_unexpected(const std::string &what)
+  {
+    std::cerr << "selkie: error: " << what << std::endl;
+    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+      MPI_Abort(MPI_COMM_WORLD, numerical_failure);
+    return numerical_failure;
+  }
+} // namespace
+
+
+// SceneError and NumericalFailure are thrown on all ranks alike: reading is
+// the same everywhere, and numerical failures are agreed upon before a step is
+// given up. So one rank prints, and all end MPI in the ordinary way.
+int
+main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  try
+    {
+      return execute({argv + 1, argv + argc}, MPI_COMM_WORLD);
+    }
+  catch (const SceneError &error)
+    {
+      return report(error.what(), bad_input);
+    }
+  catch (const NumericalFailure &error)
+    {
+      return report(error.what(), numerical_failure);
+    }
+  catch (const std::exception &error)
+    {
+      return report_unexpected(error.what());
+    }
+  catch (...)
+    {
+      return report_unexpected("unknown exception");
+    }
+}

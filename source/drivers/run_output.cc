@@ -1,0 +1,319 @@
+#include <selkie/drivers/run_output.h>
+#include <selkie/output/banner.h>
+#include <selkie/output/checkpoint.h>
+#include <selkie/output/output_folder.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::string
+    join(const std::vector<std::string> &words)
+    {
+      std::string text;
+      for (const auto &word : words)
+        text += (text.empty() ? "" : ", ") + word;
+      return text.empty() ? "none" : text;
+    }
+
+    template <typename... Values>
+    std::string
+    format(const char *pattern, const Values... values)
+    {
+      char text[512];
+      std::snprintf(text, sizeof(text), pattern, values...);
+      return text;
+    }
+
+    std::string
+    duration(const double seconds)
+    {
+      return seconds < 120. ? format("%.0f s", seconds) :
+             seconds < 7200 ? format("%.0f min", seconds / 60.) :
+                              format("%.1f h", seconds / 3600.);
+    }
+  } // namespace
+
+  template <int dim>
+  RunOutput<dim>::RunOutput(const Scene<dim> &scene,
+                            const MPI_Comm    comm,
+                            Log              &log,
+                            TimerTree        &timers)
+    : scene(scene)
+    , comm(comm)
+    , root(Utilities::MPI::this_mpi_process(comm) == 0)
+    , log(log)
+    , timers(timers)
+  {
+    create_output_folder(scene.output.directory,
+                         scene.file,
+                         scene.resolved,
+                         comm);
+    log.open(scene.output.directory);
+    log.line(banner(comm));
+    log.line("Scene     " + scene.title + " (" + scene.file + ")");
+    log.line("Effects   " + join(scene.effects));
+    log.line("Output    " + scene.output.directory);
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::start(const ParticleSet<dim> &particles,
+                        const Stepper<dim>     &stepper)
+  {
+    log.line("Terms     " + join(stepper.term_names()));
+    log.line("Points    " +
+             std::to_string(particles.handler().n_global_particles()) + ", " +
+             std::to_string(particles.fields.n_components() * 8) +
+             " bytes of columns each");
+    log.line("Solver    " + stepper.solver_in_use(scene.time.step));
+    statistics.open(scene.output.directory + "/statistics.csv", root);
+    vtu =
+      std::make_unique<VtuWriter<dim>>(scene.output.directory, particles);
+    if (!scene.probes.empty())
+      probes = std::make_unique<Probes<dim>>(scene,
+                                             particles,
+                                             scene.output.directory);
+    present        = audit(particles);
+    initial_energy = present.energy();
+    write_fields(0., 0, nullptr, scene.time.step);
+    if (probes)
+      probes->record(0., WallForces<dim>());
+    start_wall = timers.wall_time();
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::record(const ParticleSet<dim> &particles,
+                         const Stepper<dim>     &stepper,
+                         const TimeControl      &time,
+                         const double            dt,
+                         const StepReport<dim>  &report)
+  {
+    TimerTree::Scope scope(timers, "output");
+    dissipated += report.dissipated;
+    external_work += report.external_work;
+    reset_energy += report.reset_energy;
+    unknowns = std::max(unknowns, report.unknowns);
+    present  = audit(particles);
+    write_row(particles, time, dt, report);
+
+    const double slack = 1e-6 * scene.time.step;
+    if (probes && time.now() >= next_probes - slack)
+      {
+        probes->record(time.now(), WallForces<dim>{report.wall_force});
+        next_probes += scene.output.probe_interval;
+      }
+    if (scene.output.interval > 0. &&
+        (time.now() >= next_fields - slack || time.at_end()))
+      write_fields(time.now(), time.number(), &stepper, dt);
+    show_progress(time, dt, report);
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::write_row(const ParticleSet<dim> &particles,
+                            const TimeControl      &time,
+                            const double            dt,
+                            const StepReport<dim>  &report)
+  {
+    statistics.set("step", time.number());
+    statistics.set("time (s)", time.now());
+    statistics.set("dt (s)", dt);
+    statistics.set("points", particles.handler().n_global_particles());
+    statistics.set("unknowns", report.unknowns);
+    statistics.set("newton iterations", report.newton.iterations);
+    statistics.set("linear iterations", report.newton.linear_iterations);
+    statistics.set("mean lambda iterations", report.lambda_iterations);
+    statistics.set("max lambda iterations", report.max_lambda_iterations);
+    statistics.set("step cuts", time.cuts());
+    set_columns(present, scene, statistics);
+    statistics.set("dissipated energy (J)", dissipated);
+    statistics.set("external work (J)", external_work);
+    if (scene.has_fluid())
+      statistics.set("energy of J reset (J)", reset_energy);
+    statistics.set("energy balance (J)",
+                   present.energy() + dissipated - external_work -
+                     initial_energy);
+    statistics.set("points removed", particles.accounting.removed);
+    statistics.set("points kept at walls", particles.accounting.kept_at_wall);
+    statistics.end_row();
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::write_fields(const double        time,
+                               const unsigned int  step,
+                               const Stepper<dim> *stepper,
+                               const double        dt)
+  {
+    if (scene.output.interval <= 0.)
+      return;
+    while (next_fields <= time * (1. + 1e-12) + 1e-6 * scene.time.step)
+      next_fields += scene.output.interval;
+    if (stepper == nullptr || !scene.output.mesh)
+      {
+        vtu->write(time, step, nullptr);
+        return;
+      }
+    const auto       fields = stepper->nodal_fields(dt);
+    NodalOutput<dim> mesh;
+    mesh.cloud = &stepper->system().cloud;
+    mesh.scalars.emplace_back("mass", fields.mass);
+    if (scene.has_fluid())
+      mesh.scalars.emplace_back("pressure", fields.pressure);
+    mesh.vectors.emplace_back("velocity", fields.velocity);
+    vtu->write(time, step, &mesh);
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::show_progress(const TimeControl     &time,
+                                const double           dt,
+                                const StepReport<dim> &report)
+  {
+    const double spent = timers.wall_time() - start_wall;
+    const double left  = spent * (time.end() - time.now()) / time.now();
+    log.progress(
+      format("step %5u  t %.5g s  dt %.2g s  Newton %u  linear %u  unknowns "
+             "%llu  %3.0f %%  left %s",
+             time.number(),
+             time.now(),
+             dt,
+             report.newton.iterations,
+             report.newton.linear_iterations,
+             report.unknowns,
+             100. * time.now() / time.end(),
+             duration(left).c_str()));
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::close(const ParticleSet<dim> &particles,
+                        const TimeControl      &time,
+                        const std::string      &failure)
+  {
+    Summary summary;
+    summary.title      = scene.title;
+    summary.file       = scene.file;
+    summary.effects    = scene.effects;
+    summary.ranks      = Utilities::MPI::n_mpi_processes(comm);
+    summary.points     = particles.handler().n_global_particles();
+    summary.unknowns   = unknowns;
+    summary.steps      = time.number();
+    summary.end_time   = time.now();
+    summary.failure    = failure;
+    summary.audit      = present;
+    summary.accounting = particles.accounting;
+    summary.wall_time  = timers.wall_time();
+    summary.timings    = timers.rows();
+    if (root)
+      write_summary(scene.output.directory + "/summary.json", summary);
+    timers.write_csv(scene.output.directory + "/timing.csv");
+    log.line();
+    timers.print(log);
+    const double scale = std::max({std::abs(initial_energy),
+                                   present.kinetic + present.strain,
+                                   std::abs(present.potential)});
+    log.line(format("Energy    balance %.3g J (%.2g of the energy in play)",
+                    present.energy() + dissipated - external_work -
+                      initial_energy,
+                    (present.energy() + dissipated - external_work -
+                     initial_energy) /
+                      (scale > 0. ? scale : 1.)));
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::finish(const ParticleSet<dim> &particles,
+                         const TimeControl      &time)
+  {
+    close(particles, time, "");
+    log.line(format("Done      %u steps to t = %g s in %s, %u cuts",
+                    time.number(),
+                    time.now(),
+                    duration(timers.wall_time()).c_str(),
+                    time.cuts()));
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::fail(ParticleSet<dim>                            &particles,
+                       parallel::distributed::Triangulation<dim>   &mesh,
+                       const TimeControl                           &time,
+                       const std::string                           &why)
+  {
+    const std::string folder = write_checkpoint(scene.output.directory,
+                                                scene,
+                                                particles,
+                                                mesh,
+                                                time.now(),
+                                                time.number(),
+                                                time.step());
+    close(particles, time, why);
+    log.line(format("Failed    at t = %g s, with the smallest time step "
+                    "%.3g s:",
+                    time.now(),
+                    time.step()));
+    log.line("          " + why);
+    log.line("          The last good state is in " + folder + ".");
+  }
+
+  template <int dim>
+  void
+  describe_plan(const Scene<dim>       &scene,
+                const ParticleSet<dim> &particles,
+                const Stepper<dim>     &stepper,
+                const StepReport<dim>  &report,
+                const double            seconds_per_step,
+                Log                    &log)
+  {
+    const auto   n_points = particles.handler().n_global_particles();
+    const double steps    = std::ceil(scene.time.end_time / scene.time.step);
+    log.line("Scene     " + scene.title + " (" + scene.file + ")");
+    log.line("Effects   " + join(scene.effects));
+    log.line("Terms     " + join(stepper.term_names()));
+    std::vector<std::string> columns;
+    for (const auto &entry : particles.fields.entries())
+      columns.push_back(entry.name + " (" +
+                        std::to_string(8 * entry.n_components) + " B)");
+    log.line("Columns   " + join(columns));
+    log.line(format("Points    %llu, %u bytes of columns each",
+                    static_cast<unsigned long long>(n_points),
+                    8 * particles.fields.n_components()));
+    log.line(format("Unknowns  %llu at the start, %u a node%s",
+                    report.unknowns,
+                    dim,
+                    scene.has_fluid() ? " and one pressure in the fluid" : ""));
+    log.line("Solver    " + stepper.solver_in_use(scene.time.step));
+    Utilities::System::MemoryStats memory;
+    Utilities::System::get_memory_stats(memory);
+    log.line(format("Memory    %.0f MB peak on this rank",
+                    memory.VmPeak / 1024.));
+    log.line(format("Time      %.0f steps of about %.2g s: %s if the first "
+                    "step is typical (speed and contact make it longer)",
+                    steps,
+                    seconds_per_step,
+                    duration(steps * seconds_per_step).c_str()));
+  }
+
+#define INSTANTIATE(dim)                                                     \
+  template class RunOutput<dim>;                                             \
+  template void describe_plan(const Scene<dim> &,                            \
+                              const ParticleSet<dim> &,                      \
+                              const Stepper<dim> &,                          \
+                              const StepReport<dim> &,                       \
+                              const double,                                  \
+                              Log &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
+} // namespace selkie

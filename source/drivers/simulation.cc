@@ -1,0 +1,131 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/base/log.h>
+#include <selkie/drivers/run_output.h>
+#include <selkie/drivers/simulation.h>
+#include <selkie/drivers/stepper.h>
+#include <selkie/mesh/background_mesh.h>
+#include <selkie/output/checkpoint.h>
+#include <selkie/particles/hydrostatic.h>
+#include <selkie/time/time_control.h>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// Mesh, points and nodes of a scene at t = 0.
+    template <int dim>
+    struct Setup
+    {
+      Setup(const Scene<dim> &scene, const MPI_Comm comm)
+        : mesh(make_background_mesh(scene.domain, comm))
+        , particles(scene, *mesh)
+      {
+        particles.seed();
+        set_hydrostatic_state(particles);
+        cloud = std::make_unique<NodeCloud<dim>>(*mesh,
+                                                 scene.lme.gamma,
+                                                 scene.lme.support_tolerance);
+      }
+
+      std::unique_ptr<parallel::distributed::Triangulation<dim>> mesh;
+      ParticleSet<dim>                                           particles;
+      std::unique_ptr<NodeCloud<dim>>                            cloud;
+    };
+
+    /// One step, tried again with smaller ones until it succeeds. Throws
+    /// NumericalFailure when the smallest step fails, too.
+    template <int dim>
+    StepReport<dim>
+    step_with_retries(Stepper<dim> &stepper, TimeControl &time, Log &log)
+    {
+      for (;;)
+        try
+          {
+            return stepper.step(time.now(), time.step());
+          }
+        catch (const NumericalFailure &failure)
+          {
+            if (!time.cut())
+              throw;
+            log.line("  t = " + std::to_string(time.now()) + " s: " +
+                     failure.what() + "; trying again with a time step of " +
+                     std::to_string(time.step()) + " s");
+          }
+    }
+  } // namespace
+
+
+  template <int dim>
+  int
+  run_scene(const Scene<dim> &scene, const MPI_Comm comm)
+  {
+    Log            log(comm);
+    TimerTree      timers(comm);
+    RunOutput<dim> output(scene, comm, log, timers);
+
+    auto         setup = timed(timers, "set-up", [&] {
+      return std::make_unique<Setup<dim>>(scene, comm);
+    });
+    auto        &particles = setup->particles;
+    Stepper<dim> stepper(scene,
+                         particles,
+                         *setup->cloud,
+                         timers,
+                         [&log](const std::string &text) {
+                           log.line("  " + text);
+                         });
+    TimeControl  time(scene.time, setup->cloud->smallest_spacing());
+
+    stepper.start(time.now(), time.step());
+    output.start(particles, stepper);
+    while (!time.at_end())
+      {
+        StepReport<dim> report;
+        try
+          {
+            report = step_with_retries(stepper, time, log);
+          }
+        catch (const NumericalFailure &failure)
+          {
+            output.fail(particles, *setup->mesh, time, failure.what());
+            return 2;
+          }
+        const double dt = time.step();
+        time.advance(report.largest_speed);
+        output.record(particles, stepper, time, dt, report);
+      }
+    output.finish(particles, time);
+    return 0;
+  }
+
+
+  template <int dim>
+  void
+  print_plan(const Scene<dim> &scene, const MPI_Comm comm)
+  {
+    Log        log(comm);
+    TimerTree  timers(comm);
+    Setup<dim> setup(scene, comm);
+    Stepper<dim> stepper(
+      scene, setup.particles, *setup.cloud, timers, [](const std::string &) {});
+    TimeControl time(scene.time, setup.cloud->smallest_spacing());
+    stepper.start(time.now(), time.step());
+    const double begin  = timers.wall_time();
+    const auto   report = stepper.step(time.now(), time.step());
+    describe_plan(scene,
+                  setup.particles,
+                  stepper,
+                  report,
+                  timers.wall_time() - begin,
+                  log);
+  }
+
+#define INSTANTIATE(dim)                                                     \
+  template int  run_scene(const Scene<dim> &, const MPI_Comm);               \
+  template void print_plan(const Scene<dim> &, const MPI_Comm)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
+} // namespace selkie

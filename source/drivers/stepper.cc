@@ -1,0 +1,386 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/drivers/stepper.h>
+#include <selkie/laws/newtonian_fluid.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  template <int dim>
+  Stepper<dim>::Stepper(const Scene<dim>                        &scene,
+                        ParticleSet<dim>                        &particles,
+                        const NodeCloud<dim>                    &cloud,
+                        TimerTree                               &timers,
+                        std::function<void(const std::string &)> log)
+    : scene(scene)
+    , particles(particles)
+    , cloud(cloud)
+    , timers(timers)
+    , conditions(scene, cloud)
+    , terms(make_terms(scene))
+    , unknowns(cloud, conditions, scene.has_fluid())
+    , assembler(terms, unknowns)
+    , linear_solver(scene.linear_solver, std::move(log))
+  {
+    if (scene.has_fluid())
+      {
+        stored_pressure.reinit(cloud.partitioner());
+        stored_pressure = std::numeric_limits<double>::quiet_NaN();
+        stored_pressure.update_ghost_values();
+      }
+  }
+
+  template <int dim>
+  Newmark
+  Stepper<dim>::newmark(const double dt) const
+  {
+    return Newmark(scene.inertia->newmark_beta,
+                   scene.inertia->newmark_gamma,
+                   dt);
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::build_supports(const double t, const double dt)
+  {
+    const bool gauss =
+      scene.has_fluid() && scene.fluid_pressure->gauss_full_cells;
+    {
+      TimerTree::Scope scope(timers, "supports");
+      const auto       occupancy = find_occupancy(particles, cloud, gauss);
+      fill_material_points(particles, cloud, occupancy, table);
+      unknowns.reinit(occupancy, table);
+    }
+    {
+      TimerTree::Scope scope(timers, "projection");
+      project(
+        particles, table, unknowns, t, dt, stored_pressure, fields);
+    }
+    if (gauss)
+      {
+        TimerTree::Scope scope(timers, "supports");
+        Vector           pressure(cloud.partitioner());
+        store_pressure(unknowns, fields, pressure);
+        add_gauss_points(particles, cloud, pressure, table);
+      }
+    if (scene.has_fluid())
+      correct_volume(*scene.fluid_pressure, unknowns, table);
+  }
+
+  template <int dim>
+  SystemTraits
+  Stepper<dim>::traits(const Newmark &newmark) const
+  {
+    SystemTraits traits;
+    const double h = cloud.smallest_spacing();
+    for (const auto &body : scene.bodies)
+      {
+        traits.acoustic_cfl =
+          std::max(traits.acoustic_cfl,
+                   body.law->sound_speed() * newmark.dt / h);
+        if (body.law->phase() == Phase::solid)
+          traits.has_solid = true;
+        else
+          {
+            const auto &fluid = static_cast<const FluidLaw &>(*body.law);
+            traits.mixed      = true;
+            // The unsymmetric part is of the order of mu |l| against the
+            // inertia; for water it is round-off.
+            if (scene.viscosity && fluid.viscosity() * newmark.alpha4 >
+                                     1e-2 * fluid.density() * h * h *
+                                       newmark.alpha1)
+              traits.symmetric = false;
+          }
+      }
+    return traits;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::set_predictor(const Newmark &newmark)
+  {
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      fields.x.local_element(i) =
+        newmark.predictor(fields.v_n.local_element(i),
+                          fields.a_n.local_element(i));
+  }
+
+  /// The size of the forces in play: weight and inertia of the nodes
+  /// (formulation.md, section 5).
+  template <int dim>
+  double
+  Stepper<dim>::residual_scale(const Newmark &newmark) const
+  {
+    const double g   = scene.gravity ? scene.gravity->norm() : 0.;
+    double       sum = 0.;
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      if (!unknowns.held(i))
+        {
+          const double M = fields.mass.local_element(i);
+          sum += std::pow(M * g, 2) +
+                 std::pow(M * newmark.alpha1 * fields.x.local_element(i), 2) +
+                 std::pow(M * newmark.alpha2 * fields.v_n.local_element(i), 2);
+        }
+    return std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
+  }
+
+  namespace
+  {
+    /// Norms of the displacement and pressure parts, free unknowns only.
+    template <int dim>
+    std::array<double, 2>
+    norms(const System<dim> &system, const Vector &residual)
+    {
+      std::array<double, 2> sums = {0., 0.};
+      for (unsigned int i = 0; i < system.n_owned(); ++i)
+        if (!system.held(i))
+          sums[i < system.n_owned_displacements() ? 0 : 1] +=
+            residual.local_element(i) * residual.local_element(i);
+      for (double &sum : sums)
+        sum = std::sqrt(
+          Utilities::MPI::sum(sum, residual.get_mpi_communicator()));
+      return sums;
+    }
+  } // namespace
+
+  template <int dim>
+  NewtonProblem
+  Stepper<dim>::newton_problem(const StepTime &time)
+  {
+    NewtonProblem problem;
+    problem.residual = [this, &time](Vector &, Vector &residual) {
+      TimerTree::Scope scope(timers, "residual");
+      assembler.assemble(
+        table, time, fields, pressure_unit, false, residual);
+    };
+    problem.solve = [this, &time](Vector &, const Vector &, Vector &dx) {
+      Vector rhs(dx);
+      {
+        TimerTree::Scope scope(timers, "tangent");
+        assembler.assemble(table, time, fields, pressure_unit, true, rhs);
+      }
+      TimerTree::Scope   scope(timers, "linear solve");
+      const unsigned int n_u = unknowns.n_owned_displacements();
+      for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
+        rhs.local_element(i) *= unknowns.held(i) ? 0. :
+                                i < n_u          ? -1. :
+                                                   -pressure_unit;
+      const auto report =
+        linear_solver.solve(unknowns, traits(time.newmark), rhs, dx);
+      for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
+        dx.local_element(i) *= pressure_unit;
+      return report.iterations;
+    };
+    problem.error = [this](const Vector &residual) {
+      const auto [R_u, R_p] = norms(unknowns, residual);
+      const double tolerance = scene.newton.tolerance;
+      // R_p counts volume: it is asked for three more digits, since the
+      // pressure is K times the volume's relative error.
+      return std::max(R_u / (tolerance * scale_u),
+                      scale_p > 0. ? R_p / (1e-3 * tolerance * scale_p) : 0.);
+    };
+    problem.step_size = [this](const Vector &dx) {
+      double largest = 0.;
+      for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+        {
+          if (!std::isfinite(dx.local_element(i)))
+            largest = std::numeric_limits<double>::max();
+          largest = std::max(largest, std::abs(dx.local_element(i)));
+        }
+      largest = Utilities::MPI::max(largest, particles.communicator());
+      return largest == std::numeric_limits<double>::max() ?
+               std::numeric_limits<double>::infinity() :
+               largest / cloud.smallest_spacing();
+    };
+    return problem;
+  }
+
+  template <int dim>
+  StepReport<dim>
+  Stepper<dim>::step(const double t, const double dt)
+  {
+    const StepTime time{t, newmark(dt)};
+    build_supports(t, dt);
+    set_predictor(time.newmark);
+    fields.x.update_ghost_values();
+
+    Vector residual;
+    unknowns.initialize(residual);
+    scale_u       = residual_scale(time.newmark);
+    scale_p       = 0.;
+    pressure_unit = 1.;
+    if (scene.has_fluid())
+      {
+        double volume = 0.;
+        for (const unsigned int node : unknowns.owned_pressure_nodes())
+          volume += std::pow(cloud.volume(node), 2);
+        scale_p =
+          std::sqrt(Utilities::MPI::sum(volume, particles.communicator()));
+        for (const auto &body : scene.bodies)
+          if (body.law->phase() == Phase::fluid)
+            pressure_unit = std::max(
+              pressure_unit,
+              body.law->density() *
+                std::pow(cloud.smallest_spacing(), 2) * time.newmark.alpha1);
+      }
+
+    StepReport<dim> report;
+    {
+      TimerTree::Scope scope(timers, "newton");
+      report.newton = newton(newton_problem(time), scene.newton, fields.x);
+      assembler.assemble(
+        table, time, fields, pressure_unit, false, residual);
+      fields.x.update_ghost_values();
+      collect(time, residual, report);
+    }
+    TimerTree::Scope scope(timers, "update");
+    if (scene.has_fluid())
+      store_pressure(unknowns, fields, stored_pressure);
+    report.reset_energy =
+      advance(particles, table, unknowns, time.newmark, fields).reset_energy;
+    return report;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::collect(const StepTime  &time,
+                        const Vector    &residual,
+                        StepReport<dim> &report)
+  {
+    const MPI_Comm comm = particles.communicator();
+    report.wall_force.assign(2 * dim, Tensor<1, dim>());
+    double reaction_work = 0., speed = 0.;
+    for (const unsigned int node : unknowns.owned_nodes())
+      {
+        const unsigned int u     = unknowns.displacement(node);
+        const unsigned int walls = conditions.walls(node);
+        double             v2    = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            v2 += std::pow(time.newmark.velocity(fields.x.local_element(u + d),
+                                                 fields.v_n.local_element(u + d),
+                                                 fields.a_n.local_element(u + d)),
+                           2);
+            if (!unknowns.held(u + d))
+              continue;
+            const double R = residual.local_element(u + d);
+            reaction_work += R * fields.x.local_element(u + d);
+            // A corner's reaction goes to the wall that it is normal to.
+            unsigned int wall = 2 * dim;
+            for (unsigned int w = 0; w < 2 * dim; ++w)
+              if ((walls >> w) & 1u)
+                if (wall == 2 * dim || w / 2 == d)
+                  wall = w;
+            if (wall < 2 * dim)
+              report.wall_force[wall][d] -= R;
+          }
+        speed = std::max(speed, std::sqrt(v2));
+      }
+    for (auto &force : report.wall_force)
+      force = Utilities::MPI::sum(force, comm);
+    report.largest_speed = Utilities::MPI::max(speed, comm);
+    const auto powers    = assembler.powers(table, time, fields);
+    report.dissipated    = powers.dissipation * time.newmark.dt;
+    report.external_work = powers.external_work +
+                           Utilities::MPI::sum(reaction_work, comm);
+    report.unknowns      = unknowns.n_global();
+    report.patches       = Utilities::MPI::sum(table.patches.size(), comm);
+    report.lambda_iterations =
+      double(Utilities::MPI::sum(table.newton_iterations, comm)) /
+      Utilities::MPI::sum(table.points.size(), comm);
+    report.max_lambda_iterations =
+      Utilities::MPI::max(table.max_newton_iterations, comm);
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::start(const double t, const double dt)
+  {
+    if (!scene.inertia)
+      return;
+    const StepTime time{t, newmark(dt)};
+    build_supports(t, dt);
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      fields.x.local_element(i) = 0.;
+    fields.x.update_ghost_values();
+    Vector residual;
+    unknowns.initialize(residual);
+    assembler.assemble(table, time, fields, 1., false, residual);
+
+    // R = M a(du = 0) + forces, and the start acceleration is -forces / M.
+    Vector a_0;
+    unknowns.initialize(a_0);
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      if (!unknowns.held(i))
+        a_0.local_element(i) =
+          time.newmark.acceleration(0.,
+                                    fields.v_n.local_element(i),
+                                    fields.a_n.local_element(i)) -
+          residual.local_element(i) / fields.mass.local_element(i);
+    a_0.update_ghost_values();
+    set_accelerations(particles, table, unknowns, a_0);
+  }
+
+  template <int dim>
+  typename Stepper<dim>::NodalFields
+  Stepper<dim>::nodal_fields(const double dt) const
+  {
+    NodalFields   result;
+    const Newmark scheme = newmark(dt);
+    for (auto &component : result.velocity)
+      component.reinit(cloud.partitioner());
+    result.mass.reinit(cloud.partitioner());
+    result.pressure.reinit(cloud.partitioner());
+    for (const unsigned int node : unknowns.owned_nodes())
+      {
+        const unsigned int u = unknowns.displacement(node);
+        for (unsigned int d = 0; d < dim; ++d)
+          result.velocity[d].local_element(node) =
+            scheme.velocity(fields.x.local_element(u + d),
+                            fields.v_n.local_element(u + d),
+                            fields.a_n.local_element(u + d));
+        result.mass.local_element(node) = fields.mass.local_element(u);
+        if (unknowns.pressure(node) != invalid_index)
+          result.pressure.local_element(node) =
+            fields.x.local_element(unknowns.pressure(node));
+      }
+    for (auto &component : result.velocity)
+      component.update_ghost_values();
+    result.mass.update_ghost_values();
+    result.pressure.update_ghost_values();
+    return result;
+  }
+
+  template <int dim>
+  std::vector<std::string>
+  Stepper<dim>::term_names() const
+  {
+    std::vector<std::string> names;
+    for (const auto &term : terms)
+      names.push_back(term->name());
+    return names;
+  }
+
+  template <int dim>
+  std::string
+  Stepper<dim>::solver_in_use(const double dt) const
+  {
+    const SystemTraits what = traits(newmark(dt));
+    std::ostringstream out;
+    out.precision(3);
+    out << to_string(linear_solver.choose(unknowns, what)) << " for "
+        << unknowns.n_global() << " unknowns ("
+        << (what.mixed ? "displacements and pressures" : "displacements")
+        << ", " << (what.symmetric ? "symmetric" : "unsymmetric")
+        << ", acoustic CFL " << what.acoustic_cfl << ")";
+    return out.str();
+  }
+
+  template class Stepper<2>;
+  template class Stepper<3>;
+} // namespace selkie

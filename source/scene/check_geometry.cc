@@ -1,0 +1,238 @@
+#include <selkie/scene/check_scene.h>
+#include <selkie/scene/declare_scene.h>
+#include <selkie/scene/primitives.h>
+
+#include <deal.II/base/bounding_box.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::string
+    in_words(const BoundingBox<dim> &box)
+    {
+      std::ostringstream text;
+      text << "(" << box.get_boundary_points().first << ") to ("
+           << box.get_boundary_points().second << ")";
+      return text.str();
+    }
+
+
+    template <int dim>
+    BoundingBox<dim>
+    box_of(const Domain<dim> &domain)
+    {
+      return BoundingBox<dim>({domain.lower, domain.upper});
+    }
+
+
+    template <int dim>
+    void
+    check_domain(const Scene<dim> &scene)
+    {
+      const Domain<dim> &domain = scene.domain;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!(domain.lower[d] < domain.upper[d]))
+          fail(scene,
+               "Domain/Upper corner",
+               "every coordinate must be larger than that of 'Domain/Lower "
+               "corner'");
+      const double h = cell_size(domain);
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double side =
+            (domain.upper[d] - domain.lower[d]) / domain.cells[d];
+          if (side > 1.01 * h)
+            {
+              std::ostringstream why;
+              why << "the cells are " << h << " m by " << side
+                  << " m; allowed are squares or cubes, to within 1 %";
+              fail(scene, "Domain/Cells", why.str());
+            }
+        }
+      for (const auto &refinement : domain.refinements)
+        if (!refinement.shape)
+          fail(scene,
+               "Domain/Refinements/" + refinement.name + "/Shape",
+               "the refinement needs a shape");
+    }
+
+
+    /// Extent of the finest cells, m.
+    template <int dim>
+    Tensor<1, dim>
+    finest_cell(const Domain<dim> &domain)
+    {
+      unsigned int levels = 0;
+      for (const auto &refinement : domain.refinements)
+        levels = std::max(levels, refinement.levels);
+      Tensor<1, dim> h = domain.upper - domain.lower;
+      for (unsigned int d = 0; d < dim; ++d)
+        h[d] /= domain.cells[d] * std::pow(2., levels);
+      return h;
+    }
+
+
+    /// Whether check(x) holds for a point of the lattice
+    /// origin + (i + offset) spacing in the box.
+    template <int dim, typename Check>
+    bool
+    any_of_lattice(const BoundingBox<dim> &box,
+                   const Point<dim>       &origin,
+                   const Tensor<1, dim>   &spacing,
+                   const double            offset,
+                   const Check            &check)
+    {
+      long first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          first[d] = std::ceil((box.lower_bound(d) - origin[d]) / spacing[d] -
+                               offset - 1e-9);
+          last[d]  = std::floor((box.upper_bound(d) - origin[d]) / spacing[d] -
+                               offset + 1e-9);
+        }
+      for (long k = first[2]; k <= last[2]; ++k)
+        for (long j = first[1]; j <= last[1]; ++j)
+          for (long i = first[0]; i <= last[0]; ++i)
+            {
+              const long index[3] = {i, j, k};
+              Point<dim> x        = origin;
+              for (unsigned int d = 0; d < dim; ++d)
+                x[d] += (index[d] + offset) * spacing[d];
+              if (check(x))
+                return true;
+            }
+      return false;
+    }
+
+
+    template <int dim>
+    void
+    check_body(const Scene<dim> &scene, const Body<dim> &body)
+    {
+      const std::string path = "Bodies/" + body.name + "/Shape";
+      if (!body.shape)
+        fail(scene, path, "the body needs a shape");
+      const auto   domain    = box_of(scene.domain);
+      const auto   box       = body.shape->bounding_box();
+      const double tolerance = 1e-9 * cell_size(scene.domain);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (box.lower_bound(d) < domain.lower_bound(d) - tolerance ||
+            box.upper_bound(d) > domain.upper_bound(d) + tolerance)
+          fail(scene,
+               path,
+               "the body '" + body.name + "' reaches outside the domain: it " +
+                 "covers " + in_words(box) + ", allowed is " +
+                 in_words(domain));
+      const Tensor<1, dim> spacing =
+        finest_cell(scene.domain) / double(body.points_per_direction);
+      const bool has_points = any_of_lattice(
+        box, scene.domain.lower, spacing, 0.5, [&](const Point<dim> &x) {
+          return body.shape->contains(x);
+        });
+      if (!has_points || body.shape->volume() <= 0)
+        fail(scene,
+             path,
+             "the body '" + body.name +
+               "' is so small that it gets no material point; it needs finer "
+               "cells or more points per direction");
+    }
+
+
+    /// On the lattice at which material points are seeded.
+    template <int dim>
+    void
+    check_overlap(const Scene<dim> &scene,
+                  const Body<dim>  &a,
+                  const Body<dim>  &b)
+    {
+      BoundingBox<dim> common;
+      if (!overlap(a.shape->bounding_box(), b.shape->bounding_box(), common))
+        return;
+      const Tensor<1, dim> spacing =
+        finest_cell(scene.domain) /
+        double(std::max(a.points_per_direction, b.points_per_direction));
+      Point<dim> where;
+      const bool overlap = any_of_lattice(
+        common, scene.domain.lower, spacing, 0.5, [&](const Point<dim> &x) {
+          where = x;
+          return well_inside(*a.shape, x, 1e-6 * spacing[0]) &&
+                 well_inside(*b.shape, x, 1e-6 * spacing[0]);
+        });
+      if (overlap)
+        {
+          std::ostringstream why;
+          why << "the bodies '" << a.name << "' and '" << b.name
+              << "' overlap, for example at (" << where
+              << "); allowed are bodies that at most touch";
+          fail(scene, "Bodies/" + b.name + "/Shape", why.str());
+        }
+    }
+
+
+    template <int dim>
+    void
+    check_node_set(const Scene<dim> &scene, const NodeSet<dim> &set)
+    {
+      const std::string path = "Node sets/" + set.name + "/";
+      if (!set.shape)
+        fail(scene, path + "Shape", "the node set needs a shape");
+      if (std::none_of(set.components.begin(),
+                       set.components.end(),
+                       [](const bool held) { return held; }))
+        fail(scene,
+             path + "Components",
+             "the node set holds nothing; name at least one component");
+      BoundingBox<dim> common;
+      const auto       h     = finest_cell(scene.domain);
+      const auto       shape = set.shape->bounding_box();
+      const bool has_nodes   = overlap(shape, box_of(scene.domain), common) &&
+                             any_of_lattice(common,
+                                            scene.domain.lower,
+                                            h,
+                                            0.,
+                                            [&](const Point<dim> &x) {
+                                              return set.shape->contains(x);
+                                            });
+      if (!has_nodes)
+        {
+          std::ostringstream why;
+          why << "no node of the mesh lies in the node set; nodes are " << h[0]
+              << " m apart, from the domain's lower corner ("
+              << scene.domain.lower << ") on";
+          fail(scene, path + "Shape", why.str());
+        }
+    }
+  } // namespace
+
+
+  template <int dim>
+  void
+  check_geometry(const Scene<dim> &scene)
+  {
+    check_domain(scene);
+    if (scene.bodies.empty())
+      fail(scene, "Bodies/Names", "the scene needs at least one body");
+    for (unsigned int i = 0; i < scene.bodies.size(); ++i)
+      {
+        check_body(scene, scene.bodies[i]);
+        for (unsigned int j = 0; j < i; ++j)
+          check_overlap(scene, scene.bodies[j], scene.bodies[i]);
+      }
+    for (const auto &set : scene.node_sets)
+      check_node_set(scene, set);
+  }
+
+
+  template void
+  check_geometry(const Scene<2> &);
+  template void
+  check_geometry(const Scene<3> &);
+} // namespace selkie

@@ -1,0 +1,186 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/scene/check_scene.h>
+#include <selkie/scene/parameter_file.h>
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// A point in the middle of a cell must reach more than the corners of
+    /// that cell, else the minimisation for lambda is singular near walls
+    /// (gamma = 6 with tolerance 1e-6 leaves the corners only).
+    template <int dim>
+    void
+    check_lme(const Scene<dim> &scene)
+    {
+      const LmeParameters &lme = scene.lme;
+      if (lme.gamma <= 0)
+        fail(scene, "LME/Gamma", "it must be positive");
+      const double support =
+        std::sqrt(-std::log(lme.support_tolerance) / lme.gamma);
+      const double next_nodes = std::sqrt((8. + dim) / 4.);
+      if (support <= next_nodes)
+        {
+          std::ostringstream why;
+          why << "with 'LME/Support tolerance' = " << lme.support_tolerance
+              << " the support radius is " << support
+              << " cells and leaves too few nodes to a point: from the middle "
+                 "of a cell it reaches only the cell's corners. Allowed is a "
+                 "radius sqrt(-ln(tolerance) / gamma) above "
+              << next_nodes << ": gamma below "
+              << -std::log(lme.support_tolerance) / next_nodes / next_nodes
+              << " or a smaller tolerance";
+          fail(scene, "LME/Gamma", why.str());
+        }
+    }
+
+
+    template <int dim>
+    void
+    check_time(const Scene<dim> &scene)
+    {
+      const TimeParameters &time = scene.time;
+      if (time.step <= 0)
+        fail(scene, "Time/Step", "the time step must be positive");
+      if (time.end_time <= 0)
+        fail(scene, "Time/End time", "it must be positive");
+      if (time.smallest_step > time.step)
+        fail(scene,
+             "Time/Smallest step",
+             "it must not be larger than 'Time/Step'");
+    }
+
+
+    template <int dim>
+    bool
+    is_held(const Scene<dim> &scene)
+    {
+      for (const auto &wall : scene.domain.walls)
+        for (const bool held : wall.components)
+          if (held)
+            return true;
+      return !scene.node_sets.empty();
+    }
+
+
+    template <int dim>
+    void
+    check_inertia(const Scene<dim> &scene)
+    {
+      if (!scene.inertia)
+        {
+          if (!is_held(scene))
+            fail(scene,
+                 "Effects",
+                 "a scene without inertia is static, and no boundary condition "
+                 "holds it: all walls are free and there is no node set. "
+                 "Allowed are a wall that is fixed, slip or prescribed, a node "
+                 "set, or the effect 'inertia'");
+          fail(scene,
+               "Effects",
+               "a scene without 'inertia' is static, and static analysis comes "
+               "later; list 'inertia'");
+        }
+      if (2 * scene.inertia->newmark_beta < scene.inertia->newmark_gamma)
+        fail(scene,
+             "Inertia/Newmark beta",
+             "Newmark's scheme is unstable below 'Newmark gamma' / 2; allowed "
+             "is at least that, advised (gamma + 1/2)^2 / 4");
+    }
+
+
+    /// Looks without creating anything: results of earlier runs stay as they
+    /// are.
+    template <int dim>
+    void
+    check_output(const Scene<dim> &scene)
+    {
+      namespace fs           = std::filesystem;
+      const std::string path = "Output/Directory";
+      if (scene.output.directory.empty())
+        fail(scene, path, "the name of a folder is needed");
+      std::error_code error;
+      fs::path        folder = fs::absolute(scene.output.directory, error);
+      while (!fs::exists(folder, error) && folder.has_relative_path())
+        {
+          // An ancestor that is a file makes exists() fail with an error.
+          folder = folder.parent_path();
+        }
+      if (!fs::is_directory(folder, error))
+        fail(scene,
+             path,
+             "the output folder cannot be written: '" + folder.string() +
+               "' is not a folder. Allowed is any folder that exists or can "
+               "be made");
+      if (access(folder.c_str(), W_OK | X_OK) != 0)
+        fail(scene,
+             path,
+             "the output folder cannot be written: no permission to write in "
+             "'" +
+               folder.string() + "'");
+    }
+  } // namespace
+
+
+  template <int dim>
+  void
+  fail(const Scene<dim> &scene, const std::string &path, const std::string &why)
+  {
+    const auto found = scene.parameters.find(path);
+    if (found == scene.parameters.end())
+      throw SceneError(scene.file + ": " + path + ": " + why);
+    const ParameterValue &parameter = found->second;
+    throw SceneError(parameter_message(parameter.origin.empty()
+                                         ? scene.file
+                                         : parameter.origin,
+                                       path,
+                                       parameter.value,
+                                       why));
+  }
+
+
+  template <int dim>
+  double
+  cell_size(const Domain<dim> &domain)
+  {
+    double h = std::numeric_limits<double>::max();
+    for (unsigned int d = 0; d < dim; ++d)
+      h = std::min(h, (domain.upper[d] - domain.lower[d]) / domain.cells[d]);
+    return h;
+  }
+
+
+  template <int dim>
+  void
+  check_scene(const Scene<dim> &scene)
+  {
+    check_lme(scene);
+    check_time(scene);
+    check_inertia(scene);
+    check_geometry(scene);
+    check_effects(scene);
+    check_output(scene);
+  }
+
+
+  template void
+  fail(const Scene<2> &, const std::string &, const std::string &);
+  template void
+  fail(const Scene<3> &, const std::string &, const std::string &);
+  template double
+  cell_size(const Domain<2> &);
+  template double
+  cell_size(const Domain<3> &);
+  template void
+  check_scene(const Scene<2> &);
+  template void
+  check_scene(const Scene<3> &);
+} // namespace selkie

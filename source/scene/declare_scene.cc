@@ -1,0 +1,422 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/scene/declare_scene.h>
+#include <selkie/scene/parameter_binding.h>
+
+#include <deal.II/base/patterns.h>
+#include <deal.II/base/utilities.h>
+
+#include <algorithm>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    using Patterns::Double;
+    using Patterns::Integer;
+
+    std::string
+    effect_names()
+    {
+      std::string names;
+      for (const auto &row : effect_table())
+        names += (names.empty() ? "" : "|") + row.name;
+      return names;
+    }
+
+
+    template <int dim>
+    void
+    declare_general(ParameterHandler &prm, Scene<dim> &scene)
+    {
+      prm.add_parameter("Title",
+                        scene.title,
+                        "One line for the banner and the reports. "
+                        "Units: none.");
+      prm.declare_entry("Dimension",
+                        std::to_string(dim),
+                        Integer(2, 3),
+                        "Of space; two dimensions are plane strain. "
+                        "Units: none.");
+      add_choice(prm,
+                 "Approximation",
+                 scene.approximation,
+                 {{"lme mpm", Approximation::lme_mpm}},
+                 "Who carries the unknowns: `lme mpm` is local maximum-entropy "
+                 "functions on the nodes of the background mesh. "
+                 "Units: none.");
+      prm.declare_entry("Effects",
+                        "inertia",
+                        Patterns::MultipleSelection(effect_names()),
+                        "The effects that this scene calls for; a parameter of "
+                        "an effect that is not listed is an error. "
+                        "Units: none.");
+      add_choice(prm,
+                 "Points leaving",
+                 scene.leaving,
+                 {{"stop", LeavingPolicy::stop},
+                  {"keep", LeavingPolicy::keep},
+                  {"remove", LeavingPolicy::remove}},
+                 "What is done with a material point that leaves the domain: "
+                 "`stop` the run, `keep` it at the wall, `remove` it; each is "
+                 "counted and named in the log. Units: none.");
+    }
+
+
+    /// "a; free": the components of a velocity, some of which may be free.
+    template <int dim>
+    void
+    set_wall_velocity(Wall<dim> &wall, const std::string &text)
+    {
+      wall.velocity.reset();
+      wall.components.fill(false);
+      if (text.empty())
+        return;
+      auto        parts = Utilities::split_string_list(text, ';');
+      std::string functions;
+      for (unsigned int d = 0; d < parts.size(); ++d)
+        {
+          const bool is_free = (parts[d] == "free");
+          if (d < dim)
+            wall.components[d] = !is_free;
+          functions += (d > 0 ? "; " : "") + (is_free ? "0" : parts[d]);
+        }
+      wall.velocity = std::make_shared<VectorExpression<dim>>(functions);
+    }
+
+
+    template <int dim>
+    void
+    declare_walls(ParameterHandler &prm, Domain<dim> &domain)
+    {
+      prm.enter_subsection("Walls");
+      const auto names = wall_names<dim>();
+      for (unsigned int w = 0; w < names.size(); ++w)
+        {
+          const std::string axis(1, "xyz"[w / 2]);
+          add_choice(prm,
+                     names[w],
+                     domain.walls[w].condition,
+                     {{"free", NodeCondition::free},
+                      {"fixed", NodeCondition::fixed},
+                      {"slip", NodeCondition::slip},
+                      {"prescribed", NodeCondition::prescribed}},
+                     "What the nodes of the wall at the " +
+                       std::string(w % 2 == 0 ? "smallest " : "largest ") +
+                       axis +
+                       " do: nothing prescribed, all components held, the "
+                       "normal one held, or moved with a velocity (effect "
+                       "`prescribed motion`). Units: none.");
+          prm.declare_entry(names[w] + " velocity",
+                            "",
+                            Patterns::Anything(),
+                            "If `prescribed`: one function of x, y, z, t per "
+                            "component, separated by semicolons; `free` for a "
+                            "component that is not prescribed. Units: m/s.");
+          prm.add_action(names[w] + " velocity",
+                         [&wall = domain.walls[w]](const std::string &text) {
+                           set_wall_velocity(wall, text);
+                         });
+        }
+      prm.leave_subsection();
+    }
+
+
+    template <int dim>
+    void
+    declare_refinements(ParameterHandler               &prm,
+                        const std::vector<std::string> &names,
+                        Domain<dim>                    &domain)
+    {
+      prm.enter_subsection("Refinements");
+      prm.declare_entry("Names",
+                        "",
+                        Patterns::Anything(),
+                        "Names of the regions in which the mesh is finer, "
+                        "separated by commas; each is a subsection. "
+                        "Units: none.");
+      domain.refinements.resize(names.size());
+      for (unsigned int i = 0; i < names.size(); ++i)
+        {
+          domain.refinements[i].name = names[i];
+          prm.enter_subsection(names[i]);
+          add_shape(prm,
+                    "Shape",
+                    domain.refinements[i].shape,
+                    "Cells that touch it are refined. Units: m.");
+          prm.add_parameter("Levels",
+                            domain.refinements[i].levels,
+                            "How often each of them is halved. Units: none.",
+                            Integer(1, 10));
+          prm.leave_subsection();
+        }
+      prm.leave_subsection();
+    }
+
+
+    template <int dim>
+    void
+    declare_domain(ParameterHandler               &prm,
+                   const std::vector<std::string> &refinements,
+                   Domain<dim>                    &domain)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          domain.upper[d] = 1.;
+          domain.cells[d] = 16;
+        }
+      prm.enter_subsection("Domain");
+      prm.add_parameter("Lower corner",
+                        domain.lower,
+                        "Smallest coordinates of the box in which everything "
+                        "happens. Units: m.");
+      prm.add_parameter("Upper corner",
+                        domain.upper,
+                        "Largest coordinates of that box. Units: m.");
+      prm.add_parameter("Cells",
+                        domain.cells,
+                        "Cells of the background mesh in each direction, "
+                        "before refinement. They must be squares or cubes to "
+                        "within 1 %. Units: none.",
+                        Patterns::List(Integer(1), dim, dim, ","));
+      declare_walls(prm, domain);
+      declare_refinements(prm, refinements, domain);
+      prm.leave_subsection();
+    }
+
+
+    void
+    declare_lme(ParameterHandler &prm, LmeParameters &lme)
+    {
+      prm.enter_subsection("LME");
+      prm.add_parameter("Gamma",
+                        lme.gamma,
+                        "Locality of the functions, beta = gamma / h^2: small "
+                        "is wide and quiet when points cross cells, large is "
+                        "narrow and cheap. Units: none.",
+                        Double(0.));
+      prm.add_parameter("Support tolerance",
+                        lme.support_tolerance,
+                        "Nodes of a smaller weight exp(-beta r^2) are left "
+                        "out: the support radius is h sqrt(-ln(tolerance) / "
+                        "gamma). Units: none.",
+                        Double(1e-16, 0.1));
+      prm.add_parameter("Newton tolerance",
+                        lme.newton_tolerance,
+                        "At which |r| / h the iteration for lambda stops. "
+                        "Units: none.",
+                        Double(1e-15, 1e-3));
+      prm.leave_subsection();
+    }
+
+
+    void
+    declare_transfer(ParameterHandler &prm, Transfer &transfer)
+    {
+      prm.enter_subsection("Transfer");
+      add_choice(prm,
+                 "Scheme",
+                 transfer.scheme,
+                 {{"flip", TransferScheme::flip},
+                  {"tpic", TransferScheme::tpic}},
+                 "How velocities go from nodes to points: `flip` adds the "
+                 "nodes' increments, `tpic` carries a velocity gradient. "
+                 "Units: none.");
+      prm.add_parameter("FLIP fraction",
+                        transfer.flip_fraction,
+                        "Share of FLIP in `flip`; the rest is PIC, which damps "
+                        "noise. Units: none.",
+                        Double(0., 1.));
+      prm.leave_subsection();
+    }
+
+
+    void
+    declare_time(ParameterHandler &prm, TimeParameters &time)
+    {
+      prm.enter_subsection("Time");
+      prm.add_parameter("End time",
+                        time.end_time,
+                        "The run starts at 0 and ends here. Units: s.",
+                        Double(0.));
+      prm.add_parameter("Step",
+                        time.step,
+                        "Time step; a failing step is cut. Units: s.",
+                        Double(0.));
+      prm.add_parameter("Smallest step",
+                        time.smallest_step,
+                        "A run that needs a smaller one fails; 0 means Step / "
+                        "1024. Units: s.",
+                        Double(0.));
+      prm.add_parameter("Easy steps",
+                        time.easy_steps,
+                        "After so many good steps a cut step grows again. "
+                        "Units: none.",
+                        Integer(1));
+      prm.add_parameter("Largest move",
+                        time.max_move,
+                        "How far a point may move in a step, in cells; a step "
+                        "that would move one farther is cut. Units: none.",
+                        Double(0.01, 0.9));
+      prm.leave_subsection();
+    }
+
+
+    void
+    declare_newton(ParameterHandler &prm, NewtonParameters &newton)
+    {
+      prm.enter_subsection("Newton");
+      prm.add_parameter("Tolerance",
+                        newton.tolerance,
+                        "Residual, relative to the largest of its parts, at "
+                        "which the iteration stops. Units: none.",
+                        Double(1e-15, 0.1));
+      prm.add_parameter("Iterations",
+                        newton.max_iterations,
+                        "A step that needs more is cut. Units: none.",
+                        Integer(1));
+      prm.add_parameter("Line search",
+                        newton.line_search,
+                        "Whether an increment that does not reduce the "
+                        "residual is shortened. Units: none.");
+      prm.leave_subsection();
+    }
+
+
+    void
+    declare_linear_solver(ParameterHandler &prm, LinearSolverParameters &solver)
+    {
+      prm.enter_subsection("Linear solver");
+      add_choice(prm,
+                 "Solver",
+                 solver.kind,
+                 {{"automatic", SolverKind::automatic},
+                  {"cg jacobi", SolverKind::cg_jacobi},
+                  {"cg ml", SolverKind::cg_ml},
+                  {"gmres block", SolverKind::gmres_block},
+                  {"minres jacobi", SolverKind::minres_jacobi},
+                  {"direct", SolverKind::direct}},
+                 "`automatic` chooses from symmetry, size and time step and "
+                 "says so in the log. Units: none.");
+      prm.add_parameter("Tolerance",
+                        solver.tolerance,
+                        "Of the true residual, relative to the right-hand "
+                        "side. Units: none.",
+                        Double(1e-15, 0.1));
+      prm.add_parameter("Iterations",
+                        solver.max_iterations,
+                        "After so many the direct solver takes over. "
+                        "Units: none.",
+                        Integer(1));
+      prm.add_parameter("Direct below",
+                        solver.direct_below,
+                        "`automatic` solves systems with fewer unknowns "
+                        "directly. Units: none.",
+                        Integer(0));
+      prm.leave_subsection();
+    }
+
+
+    void
+    declare_output(ParameterHandler &prm, OutputParameters &output)
+    {
+      prm.enter_subsection("Output");
+      prm.add_parameter("Directory",
+                        output.directory,
+                        "Where everything is written; --output is the same. "
+                        "The default is output/ and the name of the .prm. "
+                        "Units: none.");
+      prm.add_parameter("Interval",
+                        output.interval,
+                        "Time between two pictures (VTU files); 0 for none. "
+                        "Units: s.",
+                        Double(0.));
+      prm.add_parameter("Mesh",
+                        output.mesh,
+                        "Whether the pictures include the mesh with the nodal "
+                        "fields. Units: none.");
+      prm.leave_subsection();
+    }
+  } // namespace
+
+
+  bool
+  SceneNames::has_effect(const std::string &name) const
+  {
+    return std::find(effects.begin(), effects.end(), name) != effects.end();
+  }
+
+
+  bool
+  SceneNames::has_fluid() const
+  {
+    // Only a law knows its phase, so ask one made from the defaults.
+    return std::any_of(laws.begin(), laws.end(), [](const LawRow *row) {
+      ParameterHandler defaults;
+      row->declare(defaults);
+      return row->create(defaults)->phase() == Phase::fluid;
+    });
+  }
+
+
+  const std::vector<EffectRow> &
+  effect_table()
+  {
+    static const std::vector<EffectRow> table = {
+      {"inertia", "Inertia", "Mass resists acceleration; Newmark's scheme."},
+      {"gravity", "Gravity", "A constant acceleration on all bodies."},
+      {"viscosity", "", "The shear viscosity of the fluids' laws."},
+      {"body force",
+       "Body force",
+       "An acceleration that is a function of X, x and t."},
+      {"traction", "Tractions", "Dead loads on faces of box-shaped bodies."},
+      {"prescribed motion",
+       "",
+       "Walls and node sets that move with a given velocity."},
+      {"hydrostatic start",
+       "Hydrostatic start",
+       "Fluids start compressed by their own weight."},
+      {"probes", "Probes", "Curves over time, one CSV file each."}};
+    return table;
+  }
+
+
+  template <int dim>
+  std::vector<std::string>
+  wall_names()
+  {
+    static const std::vector<std::string> names = {
+      "left", "right", "bottom", "top", "front", "back"};
+    return {names.begin(), names.begin() + 2 * dim};
+  }
+
+
+  template <int dim>
+  void
+  declare_scene(ParameterHandler &prm,
+                const SceneNames &names,
+                Scene<dim>       &scene)
+  {
+    declare_general(prm, scene);
+    declare_domain(prm, names.refinements, scene.domain);
+    declare_bodies(prm, names, scene);
+    declare_effects(prm, names, scene);
+    declare_lme(prm, scene.lme);
+    declare_transfer(prm, scene.transfer);
+    declare_time(prm, scene.time);
+    declare_newton(prm, scene.newton);
+    declare_linear_solver(prm, scene.linear_solver);
+    declare_output(prm, scene.output);
+  }
+
+
+  template std::vector<std::string>
+  wall_names<2>();
+  template std::vector<std::string>
+  wall_names<3>();
+  template void
+  declare_scene(ParameterHandler &, const SceneNames &, Scene<2> &);
+  template void
+  declare_scene(ParameterHandler &, const SceneNames &, Scene<3> &);
+} // namespace selkie

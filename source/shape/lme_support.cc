@@ -1,0 +1,228 @@
+#include <selkie/laws/newtonian_fluid.h>
+#include <selkie/shape/lme.h>
+#include <selkie/shape/lme_support.h>
+
+#include <deal.II/base/quadrature_lib.h>
+
+#include <algorithm>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// Appends the nodes that the phase may use near the cell and sets the
+    /// patch's node range.
+    template <int dim>
+    void
+    append_nodes(const NodeCloud<dim> &cloud,
+                 const Occupancy<dim> &occupancy,
+                 Patch<dim>           &patch,
+                 SupportTable<dim>    &table)
+    {
+      patch.first_node = table.nodes.size();
+      for (const unsigned int node : cloud.nodes_near(patch.cell))
+        if (occupancy.has_phase(node, patch.phase))
+          table.nodes.push_back(node);
+      patch.n_nodes  = table.nodes.size() - patch.first_node;
+      patch.n_padded = lme_padded(patch.n_nodes);
+    }
+
+    /// Shape functions of all points of a patch.
+    template <int dim>
+    void
+    evaluate_patch(const NodeCloud<dim> &cloud,
+                   Patch<dim>           &patch,
+                   SupportTable<dim>    &table)
+    {
+      static thread_local std::vector<Point<dim>> positions;
+      static thread_local std::vector<double>     betas;
+      static thread_local LmeNodes<dim>           nodes;
+      positions.clear();
+      betas.clear();
+      double h = std::numeric_limits<double>::max();
+      for (unsigned int a = 0; a < patch.n_nodes; ++a)
+        {
+          const unsigned int node = table.nodes[patch.first_node + a];
+          positions.push_back(cloud.position(node));
+          betas.push_back(cloud.beta(node));
+          h = std::min(h, cloud.spacing(node));
+        }
+      nodes.reinit(positions, betas, h);
+
+      patch.data = table.data.size();
+      table.data.resize_fast(patch.data +
+                             patch.n_points * (dim + 1) * patch.n_padded);
+      for (unsigned int q = 0; q < patch.n_points; ++q)
+        {
+          StepPoint<dim>    &point = table.points[patch.first_point + q];
+          double            *N     = const_cast<double *>(table.N(patch, q));
+          const unsigned int iterations =
+            lme_evaluate(nodes, point.x, point.lambda, N, N + patch.n_padded);
+          table.newton_iterations += iterations;
+          table.max_newton_iterations =
+            std::max(table.max_newton_iterations, iterations);
+        }
+    }
+
+    /// The state of a material point at t_n.
+    template <int dim>
+    StepPoint<dim>
+    step_point(const ParticleSet<dim>                     &particles,
+               const Particles::ParticleAccessor<dim>     &particle,
+               const unsigned int                          index)
+    {
+      const auto  properties = particle.get_properties();
+      const auto &columns    = particles.columns;
+
+      StepPoint<dim> point;
+      point.x        = particle.get_location();
+      point.body     = static_cast<unsigned int>(columns.body(properties));
+      point.law      = particles.scene.bodies[point.body].law.get();
+      point.mass     = columns.mass(properties);
+      point.volume   = columns.volume(properties);
+      point.lambda   = columns.lambda(properties);
+      point.particle = index;
+      if (columns.X.exists())
+        point.X = Point<dim>(columns.X(properties));
+      if (columns.traction_area.exists())
+        point.traction_area = columns.traction_area(properties);
+      if (point.law->phase() == Phase::solid)
+        point.F_n = columns.F(properties);
+      else
+        point.J_n = columns.J(properties);
+      return point;
+    }
+
+    template <int dim>
+    bool
+    is_full(const NodeCloud<dim> &cloud,
+            const Occupancy<dim> &occupancy,
+            const Patch<dim>     &patch)
+    {
+      if (!patch.fluid || occupancy.enclosed.empty())
+        return false;
+      const auto corners = cloud.corners(patch.cell);
+      return std::all_of(corners.begin(), corners.end(), [&](const auto node) {
+        return occupancy.enclosed[node];
+      });
+    }
+  } // namespace
+
+  template <int dim>
+  void
+  fill_material_points(const ParticleSet<dim> &particles,
+                       const NodeCloud<dim>   &cloud,
+                       const Occupancy<dim>   &occupancy,
+                       SupportTable<dim>      &table)
+  {
+    table.clear();
+    table.data.resize_fast(0);
+    std::vector<StepPoint<dim>> in_cell;
+    const auto                 &bodies   = particles.scene.bodies;
+    auto                        particle = particles.handler().begin();
+    while (particle != particles.handler().end())
+      {
+        const typename NodeCloud<dim>::Cell cell =
+          particle->get_surrounding_cell();
+        in_cell.clear();
+        for (; particle != particles.handler().end() &&
+               particle->get_surrounding_cell() == cell;
+             ++particle)
+          in_cell.push_back(
+            step_point(particles, *particle, table.n_particles++));
+        std::stable_sort(in_cell.begin(),
+                         in_cell.end(),
+                         [&](const auto &p, const auto &q) {
+                           return bodies[p.body].phase < bodies[q.body].phase;
+                         });
+
+        for (unsigned int first = 0, last; first < in_cell.size(); first = last)
+          {
+            const unsigned int phase = bodies[in_cell[first].body].phase;
+            last                     = first;
+            while (last < in_cell.size() &&
+                   bodies[in_cell[last].body].phase == phase)
+              ++last;
+
+            Patch<dim> patch;
+            patch.cell        = cell;
+            patch.phase       = phase;
+            patch.fluid       = in_cell[first].law->phase() == Phase::fluid;
+            patch.first_point = table.points.size();
+            patch.n_points    = last - first;
+            patch.integration = !is_full(cloud, occupancy, patch);
+            table.points.insert(table.points.end(),
+                                in_cell.begin() + first,
+                                in_cell.begin() + last);
+            append_nodes(cloud, occupancy, patch, table);
+            evaluate_patch(cloud, patch, table);
+            table.patches.push_back(patch);
+          }
+      }
+  }
+
+  template <int dim>
+  void
+  add_gauss_points(
+    const ParticleSet<dim>                           &particles,
+    const NodeCloud<dim>                             &cloud,
+    const LinearAlgebra::distributed::Vector<double> &nodal_pressure,
+    SupportTable<dim>                                &table)
+  {
+    (void)particles;
+    static const QGauss<dim> gauss(2);
+    const unsigned int       n_matter = table.patches.size();
+    for (unsigned int i = 0; i < n_matter; ++i)
+      if (!table.patches[i].integration)
+        {
+          Patch<dim> patch  = table.patches[i]; // same cell, same nodes
+          patch.matter      = false;
+          patch.integration = true;
+          patch.first_point = table.points.size();
+          patch.n_points    = gauss.size();
+
+          // The law of a full cell is that of its first point: bodies of
+          // different fluids do not mix inside a cell.
+          StepPoint<dim> point = table.points[table.patches[i].first_point];
+          const auto    &fluid = static_cast<const FluidLaw &>(*point.law);
+          point.mass           = 0.;
+          point.lambda         = Tensor<1, dim>();
+          const auto box       = patch.cell->bounding_box();
+          for (unsigned int q = 0; q < gauss.size(); ++q)
+            {
+              point.x = box.unit_to_real(gauss.point(q));
+              table.points.push_back(point);
+            }
+          evaluate_patch(cloud, patch, table);
+
+          for (unsigned int q = 0; q < gauss.size(); ++q)
+            {
+              const double *N = table.N(patch, q);
+              double        p = 0.;
+              for (unsigned int a = 0; a < patch.n_nodes; ++a)
+                p += N[a] * nodal_pressure.local_element(
+                              table.nodes[patch.first_node + a]);
+              StepPoint<dim> &x = table.points[patch.first_point + q];
+              x.J_n             = fluid.J_of_pressure(p);
+              x.volume          = gauss.weight(q) * box.volume() / x.J_n;
+            }
+          table.patches.push_back(patch);
+        }
+  }
+
+#define INSTANTIATE(dim)                                                     \
+  template void fill_material_points(const ParticleSet<dim> &,               \
+                                     const NodeCloud<dim> &,                 \
+                                     const Occupancy<dim> &,                 \
+                                     SupportTable<dim> &);                   \
+  template void add_gauss_points(                                            \
+    const ParticleSet<dim> &,                                                \
+    const NodeCloud<dim> &,                                                  \
+    const LinearAlgebra::distributed::Vector<double> &,                      \
+    SupportTable<dim> &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
+} // namespace selkie

@@ -1,0 +1,217 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/solver/linear_solver.h>
+#include <selkie/solver/preconditioner.h>
+
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_gmres.h>
+#include <deal.II/lac/solver_minres.h>
+#include <deal.II/lac/trilinos_solver.h>
+
+#include <cmath>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  std::string
+  to_string(const SolverKind kind)
+  {
+    switch (kind)
+      {
+        case SolverKind::automatic:
+          return "automatic";
+        case SolverKind::cg_jacobi:
+          return "CG with node-block Jacobi";
+        case SolverKind::cg_ml:
+          return "CG with ML";
+        case SolverKind::gmres_block:
+          return "GMRES with block LDL^T";
+        case SolverKind::minres_jacobi:
+          return "MINRES with Jacobi";
+        case SolverKind::direct:
+          return "direct (MUMPS)";
+      }
+    return "";
+  }
+
+  template <int dim>
+  LinearSolver<dim>::LinearSolver(
+    const LinearSolverParameters            &parameters,
+    std::function<void(const std::string &)> log)
+    : parameters(parameters)
+    , log(std::move(log))
+  {}
+
+  template <int dim>
+  SolverKind
+  LinearSolver<dim>::choose(const System<dim>  &system,
+                            const SystemTraits &traits) const
+  {
+    if (parameters.kind != SolverKind::automatic)
+      return parameters.kind;
+    if (system.n_global() < parameters.direct_below)
+      return SolverKind::direct;
+    if (!traits.mixed)
+      return traits.acoustic_cfl < 10. ? SolverKind::cg_jacobi :
+                                         SolverKind::cg_ml;
+    // Forming the Schur complement costs about 100 Jacobi iterations.
+    const bool soft  = !traits.has_solid || traits.acoustic_cfl < 20.;
+    const bool small = system.n_global() < 30000;
+    return traits.symmetric && soft && small ? SolverKind::minres_jacobi :
+                                               SolverKind::gmres_block;
+  }
+
+  template <int dim>
+  LinearSolveReport
+  LinearSolver<dim>::solve(System<dim>        &system,
+                           const SystemTraits &traits,
+                           const Vector       &rhs,
+                           Vector             &x)
+  {
+    LinearSolveReport report;
+    const SolverKind  kind = choose(system, traits);
+    report.solver          = to_string(kind);
+    if (kind != SolverKind::direct)
+      {
+        std::string reason;
+        try
+          {
+            report.iterations = iterate(kind, system, traits, rhs, x);
+            return report;
+          }
+        catch (const SolverControl::NoConvergence &error)
+          {
+            reason = "no convergence in " + std::to_string(error.last_step) +
+                     " iterations";
+          }
+        catch (const LinearSolverFailure &error)
+          {
+            reason = error.what();
+          }
+        report.fell_back = true;
+        report.solver    = to_string(SolverKind::direct);
+        log(to_string(kind) + ": " + reason + "; the direct solver takes over");
+      }
+    solve_directly(system, rhs, x);
+    return report;
+  }
+
+  namespace
+  {
+    /// |rhs - K x|, of which the iterative solvers see only an estimate.
+    double
+    true_residual(const TrilinosWrappers::SparseMatrix &matrix,
+                  const Vector                         &rhs,
+                  const Vector                         &x,
+                  Vector                               &work)
+    {
+      matrix.vmult(work, x);
+      work.sadd(-1., 1., rhs);
+      return work.l2_norm();
+    }
+  } // namespace
+
+  template <int dim>
+  unsigned int
+  LinearSolver<dim>::iterate(const SolverKind    kind,
+                             System<dim>        &system,
+                             const SystemTraits &traits,
+                             const Vector       &rhs,
+                             Vector             &x)
+  {
+    const auto &matrix = system.matrix();
+    std::unique_ptr<const Preconditioner> preconditioner;
+    switch (kind)
+      {
+        case SolverKind::cg_jacobi:
+          preconditioner = make_node_block_jacobi(system, matrix);
+          break;
+        case SolverKind::cg_ml:
+          preconditioner = make_ml(system, matrix);
+          break;
+        case SolverKind::gmres_block:
+          preconditioner = make_block_ldlt(system, matrix, traits.has_solid);
+          break;
+        default:
+          preconditioner = make_jacobi(matrix);
+      }
+
+    const double target     = parameters.tolerance * rhs.l2_norm();
+    unsigned int iterations = 0;
+    Vector       residual(rhs), correction(rhs);
+    x = 0.;
+    if (target == 0.)
+      return 0;
+    residual = rhs;
+    // MINRES stops in the preconditioner's norm: ask it again for what is
+    // left until the true residual is small.
+    for (unsigned int round = 0; round < 4; ++round)
+      {
+        const double  size = residual.l2_norm();
+        SolverControl control(parameters.max_iterations,
+                              std::max(0.5 * target, 1e-14 * size));
+        correction = 0.;
+        if (kind == SolverKind::minres_jacobi)
+          {
+            Vector scaled(residual);
+            preconditioner->vmult(scaled, residual);
+            const double norm = std::sqrt(std::abs(scaled * residual));
+            SolverControl minres_control(parameters.max_iterations,
+                                         0.3 * norm * target / size);
+            SolverMinRes<Vector> solver(minres_control);
+            solver.solve(matrix, correction, residual, *preconditioner);
+            iterations += minres_control.last_step();
+          }
+        else if (kind == SolverKind::gmres_block)
+          {
+            SolverGMRES<Vector>::AdditionalData data;
+            data.max_n_tmp_vectors     = 62;
+            data.right_preconditioning = true;
+            SolverGMRES<Vector> solver(control, data);
+            solver.solve(matrix, correction, residual, *preconditioner);
+            iterations += control.last_step();
+          }
+        else
+          {
+            SolverCG<Vector> solver(control);
+            solver.solve(matrix, correction, residual, *preconditioner);
+            iterations += control.last_step();
+          }
+        x += correction;
+        const double left = true_residual(matrix, rhs, x, residual);
+        if (!std::isfinite(left))
+          throw LinearSolverFailure("the residual is not finite");
+        if (left <= 2. * target)
+          return iterations;
+      }
+    throw LinearSolverFailure(
+      "the true residual stays above the tolerance after " +
+      std::to_string(iterations) + " iterations");
+  }
+
+  template <int dim>
+  void
+  LinearSolver<dim>::solve_directly(System<dim>  &system,
+                                    const Vector &rhs,
+                                    Vector       &x)
+  {
+    try
+      {
+        SolverControl                                  control(1, 0.);
+        TrilinosWrappers::SolverDirect::AdditionalData data(false,
+                                                            "Amesos_Mumps");
+        TrilinosWrappers::SolverDirect                 solver(control, data);
+        solver.solve(system.matrix(), x, rhs);
+      }
+    catch (const ExceptionBase &error)
+      {
+        throw LinearSolverFailure("the direct solver failed");
+      }
+    if (!std::isfinite(x.l2_norm()))
+      throw LinearSolverFailure("the direct solver returned numbers that are "
+                                "not finite: the system is singular");
+  }
+
+  template class LinearSolver<2>;
+  template class LinearSolver<3>;
+} // namespace selkie

@@ -1,0 +1,91 @@
+#include <selkie/base/exceptions.h>
+#include <selkie/solver/newton.h>
+
+#include <cmath>
+
+namespace selkie
+{
+  namespace
+  {
+    std::string
+    history(const std::vector<double> &errors)
+    {
+      std::ostringstream out;
+      out.precision(2);
+      for (const double error : errors)
+        out << ' ' << error;
+      return out.str();
+    }
+  } // namespace
+
+  NewtonResult
+  newton(const NewtonProblem    &problem,
+         const NewtonParameters &parameters,
+         Vector                 &x)
+  {
+    constexpr unsigned int max_halvings = 6;
+
+    NewtonResult result;
+    Vector       residual(x), dx(x), x_old(x);
+    problem.residual(x, residual);
+    double error = problem.error(residual);
+    result.errors.push_back(error);
+
+    while (result.iterations < parameters.max_iterations)
+      {
+        ++result.iterations;
+        result.linear_iterations += problem.solve(x, residual, dx);
+        const double size = problem.step_size(dx);
+        if (!std::isfinite(size))
+          throw NewtonFailure("the linear solver returned a step that is not "
+                              "finite");
+        if (size > 1.)
+          dx *= 1. / size;
+
+        x_old.copy_locally_owned_data_from(x);
+        double       fraction = 1.;
+        unsigned int halvings = 0;
+        for (;; fraction *= 0.5, ++halvings)
+          {
+            bool inverted = false;
+            x.zero_out_ghost_values();
+            x.copy_locally_owned_data_from(x_old);
+            x.add(fraction, dx);
+            try
+              {
+                problem.residual(x, residual);
+              }
+            catch (const InvertedPoint &)
+              {
+                if (halvings == max_halvings)
+                  throw;
+                inverted = true;
+              }
+            if (inverted)
+              continue;
+            const double trial = problem.error(residual);
+            // A predictor may sit at a deceptively small residual: the first
+            // step may raise it; later ones may not.
+            const double bound = result.iterations == 1 ? 1e3 : 2.;
+            if (trial <= 1. || trial < bound * error ||
+                !parameters.line_search || halvings == max_halvings)
+              {
+                error = trial;
+                break;
+              }
+          }
+        result.errors.push_back(error);
+        if (!std::isfinite(error))
+          break;
+        if (error <= 1.)
+          return result;
+      }
+    throw NewtonFailure(
+      "Newton's iteration did not converge in " +
+      std::to_string(result.iterations) +
+      " iterations; the residual in units of its tolerance went" +
+      history(result.errors) +
+      ". Try a smaller Time/Time step, or look at the points near the "
+      "largest velocity.");
+  }
+} // namespace selkie

@@ -1,0 +1,84 @@
+#include <selkie/terms/term_table.h>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// R_a = -sum_p A_p N_a t(X, x, t) over the outermost points of a face; A_p
+    /// is the face's reference area that a point carries (a dead load).
+    template <int dim>
+    class TractionTerm : public Term<dim>
+    {
+    public:
+      explicit TractionTerm(const std::vector<Traction<dim>> &tractions)
+        : tractions(tractions)
+      {}
+
+      std::string
+      name() const override
+      {
+        return "traction";
+      }
+
+      TermNeeds
+      needs() const override
+      {
+        TermNeeds needs;
+        needs.increment = true;
+        return needs;
+      }
+
+      bool
+      acts_on(const Patch<dim> &patch) const override
+      {
+        return patch.matter;
+      }
+
+      void
+      add(PatchState<dim> &state, const bool) const override
+      {
+        for (unsigned int q = 0; q < state.patch->n_points; ++q)
+          state.forms[q].source -= load(state, q);
+      }
+
+      double
+      external_work(const PatchState<dim> &state) const override
+      {
+        double work = 0.;
+        for (unsigned int q = 0; q < state.patch->n_points; ++q)
+          work += load(state, q) * state.increment[q];
+        return work;
+      }
+
+    private:
+      Tensor<1, dim>
+      load(const PatchState<dim> &state, const unsigned int q) const
+      {
+        const StepPoint<dim> &point = state.point(q);
+        Tensor<1, dim>        sum;
+        if (point.traction_area != 0.)
+          for (const auto &traction : tractions)
+            if (traction.body == point.body)
+              sum += point.traction_area *
+                     traction.value->value(point.x, state.time->t(), point.X);
+        return sum;
+      }
+
+      const std::vector<Traction<dim>> tractions;
+    };
+  } // namespace
+
+  template <int dim>
+  std::unique_ptr<const Term<dim>>
+  make_traction(const std::vector<Traction<dim>> &tractions)
+  {
+    return std::make_unique<TractionTerm<dim>>(tractions);
+  }
+
+  template std::unique_ptr<const Term<2>>
+  make_traction<2>(const std::vector<Traction<2>> &);
+  template std::unique_ptr<const Term<3>>
+  make_traction<3>(const std::vector<Traction<3>> &);
+} // namespace selkie

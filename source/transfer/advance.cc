@@ -1,0 +1,178 @@
+#include <selkie/laws/newtonian_fluid.h>
+#include <selkie/transfer/transfer.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// Nodal increments and end values, interpolated at one point.
+    template <int dim>
+    struct Interpolated
+    {
+      Tensor<1, dim> du, dv, v, a;
+      Tensor<2, dim> grad_du, grad_v;
+      double         p = 0;
+    };
+
+    template <int dim>
+    Interpolated<dim>
+    interpolate(const SupportTable<dim> &table,
+                const Patch<dim>        &patch,
+                const unsigned int       q,
+                const System<dim>       &system,
+                const Newmark           &newmark,
+                const StepFields        &fields)
+    {
+      Interpolated<dim> at;
+      const double     *N = table.N(patch, q);
+      for (unsigned int k = 0; k < patch.n_nodes; ++k)
+        {
+          const unsigned int node = table.nodes[patch.first_node + k];
+          const unsigned int u    = system.displacement(node);
+          Tensor<1, dim>     G;
+          for (unsigned int d = 0; d < dim; ++d)
+            G[d] = N[(d + 1) * patch.n_padded + k];
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const double du  = fields.x.local_element(u + d);
+              const double v_n = fields.v_n.local_element(u + d);
+              const double a_n = fields.a_n.local_element(u + d);
+              const double v   = newmark.velocity(du, v_n, a_n);
+              at.du[d] += N[k] * du;
+              at.v[d] += N[k] * v;
+              at.dv[d] += N[k] * (v - v_n);
+              at.a[d] += N[k] * newmark.acceleration(du, v_n, a_n);
+              at.grad_du[d] += du * G;
+              at.grad_v[d] += v * G;
+            }
+          if (patch.fluid)
+            at.p += N[k] * fields.x.local_element(system.pressure(node));
+        }
+      return at;
+    }
+
+    /// grad v of a fluid point nearly alone in its cell is noise: zero.
+    constexpr unsigned int lone_points = 3;
+  } // namespace
+
+  template <int dim>
+  AdvanceReport
+  advance(ParticleSet<dim>        &particles,
+          const SupportTable<dim> &table,
+          const System<dim>       &system,
+          const Newmark           &newmark,
+          const StepFields        &fields)
+  {
+    const auto   &columns = particles.columns;
+    const double  flip    = particles.scene.transfer.flip_fraction;
+    AdvanceReport report;
+
+    std::vector<ArrayView<double>> properties;
+    properties.reserve(table.n_particles);
+    for (auto &particle : particles.handler())
+      properties.push_back(particle.get_properties());
+    std::vector<Tensor<1, dim>> displacements(table.n_particles);
+
+    for (const auto &patch : table.patches)
+      if (patch.matter)
+        for (unsigned int q = 0; q < patch.n_points; ++q)
+          {
+            const auto &point = table.points[patch.first_point + q];
+            const auto  mine  = properties[point.particle];
+            const auto  at =
+              interpolate(table, patch, q, system, newmark, fields);
+            const Tensor<2, dim> f =
+              unit_symmetric_tensor<dim>() + at.grad_du;
+
+            displacements[point.particle] = at.du;
+            columns.lambda.set(mine, point.lambda);
+            if (columns.v.exists())
+              {
+                const Tensor<1, dim> v_n = columns.v(mine);
+                if (columns.grad_v.exists())
+                  {
+                    const bool alone =
+                      patch.fluid && patch.n_points < lone_points;
+                    columns.v.set(mine, at.v);
+                    columns.grad_v.set(mine,
+                                       alone ? Tensor<2, dim>() :
+                                               at.grad_v * invert(f));
+                  }
+                else
+                  columns.v.set(mine,
+                                flip * (v_n + at.dv) + (1. - flip) * at.v);
+                columns.a.set(mine, at.a);
+              }
+            if (patch.fluid)
+              {
+                const auto  &law   = static_cast<const FluidLaw &>(*point.law);
+                const double moved = point.J_n * determinant(f);
+                const double reset = law.J_of_pressure(at.p);
+                report.reset_energy +=
+                  point.volume * (law.energy(reset) - law.energy(moved));
+                columns.J.set(mine, reset);
+                columns.pressure.set(mine, at.p);
+              }
+            else
+              columns.F.set(mine, f * point.F_n);
+          }
+    report.reset_energy =
+      Utilities::MPI::sum(report.reset_energy, particles.communicator());
+    particles.move(displacements);
+    return report;
+  }
+
+  template <int dim>
+  void
+  set_accelerations(ParticleSet<dim>        &particles,
+                    const SupportTable<dim> &table,
+                    const System<dim>       &system,
+                    const Vector            &a)
+  {
+    std::vector<ArrayView<double>> properties;
+    for (auto &particle : particles.handler())
+      properties.push_back(particle.get_properties());
+    for (const auto &patch : table.patches)
+      if (patch.matter)
+        for (unsigned int q = 0; q < patch.n_points; ++q)
+          {
+            Tensor<1, dim> a_q;
+            for (unsigned int k = 0; k < patch.n_nodes; ++k)
+              for (unsigned int d = 0; d < dim; ++d)
+                a_q[d] += table.N(patch, q)[k] *
+                          a.local_element(
+                            system.displacement(
+                              table.nodes[patch.first_node + k]) +
+                            d);
+            particles.columns.a.set(
+              properties[table.points[patch.first_point + q].particle], a_q);
+          }
+  }
+
+  template void
+  set_accelerations(ParticleSet<2> &,
+                    const SupportTable<2> &,
+                    const System<2> &,
+                    const Vector &);
+  template void
+  set_accelerations(ParticleSet<3> &,
+                    const SupportTable<3> &,
+                    const System<3> &,
+                    const Vector &);
+  template AdvanceReport
+  advance(ParticleSet<2> &,
+          const SupportTable<2> &,
+          const System<2> &,
+          const Newmark &,
+          const StepFields &);
+  template AdvanceReport
+  advance(ParticleSet<3> &,
+          const SupportTable<3> &,
+          const System<3> &,
+          const Newmark &,
+          const StepFields &);
+} // namespace selkie

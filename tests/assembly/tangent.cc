@@ -1,0 +1,172 @@
+// Every block of the assembled tangent against central differences of the
+// assembled residual, in a scene with all of them: a viscous mixed fluid with
+// PPP, Gauss points in full cells and an elastic solid that shares its nodes.
+#include "../small_scenes.h"
+
+#include <selkie/assembly/assembler.h>
+#include <selkie/mesh/background_mesh.h>
+#include <selkie/shape/lme_support.h>
+#include <selkie/terms/term_table.h>
+#include <selkie/transfer/transfer.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace
+{
+  using namespace selkie;
+
+  template <int dim>
+  struct Problem
+  {
+    explicit Problem(const std::string              &text,
+                     const std::vector<std::string> &overrides = {})
+      : scene(small_scenes::read<dim>(text, overrides))
+      , mesh(make_background_mesh(scene.domain, MPI_COMM_WORLD))
+      , particles(scene, *mesh)
+    {
+      particles.seed();
+      cloud      = std::make_unique<NodeCloud<dim>>(*mesh,
+                                               scene.lme.gamma,
+                                               scene.lme.support_tolerance);
+      conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
+      terms      = make_terms(scene);
+      system     = std::make_unique<System<dim>>(*cloud,
+                                             *conditions,
+                                             scene.has_fluid());
+      assembler  = std::make_unique<Assembler<dim>>(terms, *system);
+
+      Vector stored(cloud->partitioner());
+      stored               = std::numeric_limits<double>::quiet_NaN();
+      const bool gauss     = scene.has_fluid();
+      const auto occupancy = find_occupancy(particles, *cloud, gauss);
+      fill_material_points(particles, *cloud, occupancy, table);
+      system->reinit(occupancy, table);
+      project(particles, table, *system, 0., time.newmark.dt, stored, fields);
+      if (gauss)
+        {
+          store_pressure(*system, fields, stored);
+          add_gauss_points(particles, *cloud, stored, table);
+        }
+      // A state away from rest, with pressure.
+      for (unsigned int i = 0; i < system->n_owned(); ++i)
+        fields.x.local_element(i) =
+          i < system->n_owned_displacements() ?
+            (system->held(i) ? 0. : 2e-3 * std::sin(3. + i)) :
+            500. + 300. * std::sin(i);
+    }
+
+    Scene<dim> scene;
+    std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>> mesh;
+    ParticleSet<dim>                              particles;
+    std::unique_ptr<NodeCloud<dim>>               cloud;
+    std::unique_ptr<NodeConditions<dim>>          conditions;
+    std::vector<std::unique_ptr<const Term<dim>>> terms;
+    std::unique_ptr<System<dim>>                  system;
+    std::unique_ptr<Assembler<dim>>               assembler;
+    SupportTable<dim>                             table;
+    StepFields                                    fields;
+    StepTime time{0., Newmark(0.3025, 0.6, 2e-3)};
+  };
+
+  /// Largest error of K d against (R(x + s d) - R(x - s d)) / 2 s, relative to
+  /// the largest entry, separately for displacement and pressure rows, for a
+  /// direction d in the displacements or in the pressures.
+  template <int dim>
+  void
+  check_direction(Problem<dim> &problem, const bool pressures)
+  {
+    auto  &system = *problem.system;
+    Vector direction, Kd, plus, minus;
+    for (Vector *vector : {&direction, &Kd, &plus, &minus})
+      system.initialize(*vector);
+    const unsigned int n_u = system.n_owned_displacements();
+    for (unsigned int i = 0; i < system.n_owned(); ++i)
+      if (!system.held(i) && (i >= n_u) == pressures)
+        direction.local_element(i) = std::cos(5. * i);
+
+    const double unit = 1.; // pressures in Pa
+    problem.assembler->assemble(
+      problem.table, problem.time, problem.fields, unit, true, plus);
+    system.matrix().vmult(Kd, direction);
+
+    const double step = pressures ? 1. : 1e-7;
+    const Vector x    = problem.fields.x;
+    const auto   at   = [&](const double s, Vector &residual) {
+      problem.fields.x.zero_out_ghost_values();
+      problem.fields.x.copy_locally_owned_data_from(x);
+      problem.fields.x.add(s, direction);
+      problem.assembler->assemble(
+        problem.table, problem.time, problem.fields, unit, false, residual);
+    };
+    at(step, plus);
+    at(-step, minus);
+    double largest[2] = {0, 0}, error[2] = {0, 0};
+    for (unsigned int i = 0; i < system.n_owned(); ++i)
+      if (!system.held(i))
+        {
+          const double difference =
+            (plus.local_element(i) - minus.local_element(i)) / (2. * step);
+          auto &l = largest[i >= n_u], &e = error[i >= n_u];
+          l = std::max(l, std::abs(difference));
+          e = std::max(e, std::abs(difference - Kd.local_element(i)));
+        }
+    EXPECT_LT(error[0], 1e-7 * largest[0]) << "displacement rows";
+    if (problem.scene.has_fluid())
+      {
+        EXPECT_LT(error[1], 1e-7 * largest[1]) << "pressure rows";
+      }
+  }
+} // namespace
+
+TEST(Tangent, DisplacementColumnsOfFluidAndSolid)
+{
+  Problem<2> problem(small_scenes::fluid_on_solid());
+  check_direction(problem, false);
+}
+
+TEST(Tangent, PressureColumns)
+{
+  Problem<2> problem(small_scenes::fluid_on_solid());
+  check_direction(problem, true);
+}
+
+TEST(Tangent, ConsistentMass)
+{
+  Problem<2> problem(small_scenes::free_block(),
+                     {"Inertia/Mass=consistent"});
+  check_direction(problem, false);
+}
+
+TEST(Tangent, SymmetricWithoutViscosity)
+{
+  std::string text = small_scenes::fluid_on_solid();
+  text.replace(text.find(", viscosity"), 11, "");
+  Problem<2> problem(text);
+  Vector     residual;
+  problem.system->initialize(residual);
+  // The pressure unit brings all blocks to one scale.
+  const double unit = 1000. * 0.1 * 0.1 * problem.time.newmark.alpha1;
+  problem.assembler->assemble(
+    problem.table, problem.time, problem.fields, unit, true, residual);
+  const auto &K       = problem.system->matrix();
+  double      largest = 0., difference = 0.;
+  for (const auto &entry : K)
+    {
+      largest    = std::max(largest, std::abs(entry.value()));
+      difference = std::max(difference,
+                            std::abs(entry.value() -
+                                     K.el(entry.column(), entry.row())));
+    }
+  EXPECT_LT(difference, 1e-12 * largest);
+}
+
+TEST(Tangent, NoFluidNoPressure)
+{
+  Problem<2> problem(small_scenes::free_block());
+  EXPECT_EQ(problem.system->n_global_pressures(), 0u);
+  EXPECT_EQ(problem.system->n_global(),
+            problem.system->owned_nodes().size() * 2);
+  EXPECT_FALSE(problem.particles.columns.J.exists());
+}

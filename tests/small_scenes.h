@@ -1,0 +1,122 @@
+#pragma once
+
+#include <selkie/scene/read_scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <fstream>
+#include <string>
+#include <unistd.h>
+
+/// Scenes for unit tests, as text, read by the program's own reader.
+namespace small_scenes
+{
+  /// A block of water (jittered points) next to a block of rubber on it, in a
+  /// box with slip walls; sheared by an initial velocity.
+  inline std::string
+  fluid_on_solid()
+  {
+    return R"(
+set Title     = fluid on solid
+set Dimension = 2
+set Effects   = inertia, gravity, viscosity
+subsection Domain
+  set Lower corner = 0, 0
+  set Upper corner = 0.5, 0.8
+  set Cells        = 5, 8
+end
+subsection Bodies
+  set Names = water, bed
+  subsection water
+    set Law    = newtonian fluid
+    set Shape  = box(0, 0.3, 0.5, 0.6)
+    set Jitter = 0.2
+    set Initial velocity = 0.3*y*x; 0.2*x
+    subsection Law parameters
+      set Density      = 1000
+      set Bulk modulus = 2e5
+      set Viscosity    = 5
+    end
+  end
+  subsection bed
+    set Law   = neo hookean
+    set Shape = box(0, 0, 0.5, 0.3)
+    set Initial velocity = 0.3*y; 0
+    subsection Law parameters
+      set Density       = 1200
+      set Young modulus = 1e5
+      set Poisson ratio = 0.3
+    end
+  end
+end
+subsection Gravity
+  set Acceleration = 0, -9.81
+end
+subsection Inertia
+  set Newmark beta  = 0.3025
+  set Newmark gamma = 0.6
+end
+subsection Time
+  set End time = 0.1
+  set Step     = 2e-3
+end
+)";
+  }
+
+  /// A free elastic square in the middle of an empty box.
+  inline std::string
+  free_block()
+  {
+    return R"(
+set Title     = free block
+set Dimension = 2
+set Effects   = inertia
+subsection Domain
+  set Lower corner = 0, 0
+  set Upper corner = 1, 1
+  set Cells        = 10, 10
+  subsection Walls
+    set left   = free
+    set right  = free
+    set bottom = free
+    set top    = free
+  end
+end
+subsection Bodies
+  set Names = block
+  subsection block
+    set Law   = neo hookean
+    set Shape = box(0.3, 0.3, 0.7, 0.7)
+    set Initial velocity = 0.3; 0.1
+    subsection Law parameters
+      set Density       = 1000
+      set Young modulus = 1e6
+      set Poisson ratio = 0.3
+    end
+  end
+end
+subsection Time
+  set End time = 0.02
+  set Step     = 1e-3
+end
+)";
+  }
+
+  /// Reads a scene from text. Collective.
+  template <int dim>
+  selkie::Scene<dim>
+  read(const std::string &text, const std::vector<std::string> &overrides = {})
+  {
+    const MPI_Comm    comm = MPI_COMM_WORLD;
+    const std::string file = dealii::Utilities::MPI::broadcast(
+      comm, "/tmp/selkie_test_" + std::to_string(getpid()) + ".prm");
+    if (dealii::Utilities::MPI::this_mpi_process(comm) == 0)
+      std::ofstream(file) << text;
+    MPI_Barrier(comm);
+    auto scene = selkie::read_scene<dim>(file, overrides);
+    MPI_Barrier(comm);
+    if (dealii::Utilities::MPI::this_mpi_process(comm) == 0)
+      unlink(file.c_str());
+    return scene;
+  }
+} // namespace small_scenes
