@@ -34,7 +34,8 @@ namespace
          const char        *attribute)
   {
     std::vector<std::string> files;
-    for (const auto &[name, child] : read(path).get_child(node))
+    const Tree               tree = read(path);
+    for (const auto &[name, child] : tree.get_child(node))
       if (child.count("<xmlattr>") == 1 &&
           child.get_child("<xmlattr>").count(attribute) == 1)
         files.push_back(
@@ -50,10 +51,13 @@ namespace
     const auto         folder = std::filesystem::path(pvtu).parent_path();
     for (const std::string &piece :
          listed(pvtu, "VTKFile.PUnstructuredGrid", "Source"))
-      for (const auto &[name, child] : read((folder / piece).string())
-                                         .get_child("VTKFile.UnstructuredGrid"))
-        if (name == "Piece")
-          sum += child.get<unsigned long long>("<xmlattr>." + attribute);
+      {
+        const Tree tree = read((folder / piece).string());
+        for (const auto &[name, child] :
+             tree.get_child("VTKFile.UnstructuredGrid"))
+          if (name == "Piece")
+            sum += child.get<unsigned long long>("<xmlattr>." + attribute);
+      }
     return sum;
   }
 
