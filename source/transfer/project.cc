@@ -117,6 +117,7 @@ namespace selkie
       }
     for (const unsigned int node : system.owned_pressure_nodes())
       {
+        fields.mass.local_element(system.pressure(node)) = 0.;
         const double p = stored_pressure.local_element(node);
         if (!std::isnan(p))
           fields.x.local_element(system.pressure(node)) = p;

@@ -11,7 +11,7 @@
 namespace selkie
 {
   /// The fields at t_n and the iterate, on the unknowns' numbering, with
-  /// ghosts. Entries of mass, v_n and a_n at pressure unknowns are not used.
+  /// ghosts. Entries of mass, v_n and a_n at pressure unknowns are zero.
   struct StepFields
   {
     Vector mass; ///< lumped
