@@ -1,4 +1,5 @@
 #include <selkie/assembly/assembler.h>
+#include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/laws/kinematics.h>
 #include <selkie/laws/newtonian_fluid.h>
@@ -182,7 +183,7 @@ namespace selkie
           failure = error.what();
           break;
         }
-    throw_on_all_ranks<InvertedPoint>(failure, comm);
+    throw_on_all_ranks<InvertedPoint>(comm, failure);
 
     residual.compress(VectorOperation::add);
     Vector diagonal;

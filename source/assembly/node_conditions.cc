@@ -18,8 +18,7 @@ namespace selkie
         motions.push_back(velocity);
       motion_of[node] = motions.size();
     };
-    const double       tolerance  = 1e-8 * cloud.smallest_spacing();
-    const unsigned int all        = (1u << dim) - 1;
+    const double tolerance = 1e-8 * cloud.smallest_spacing();
 
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
@@ -31,10 +30,9 @@ namespace selkie
           if (std::abs(cloud.position(node)[d] - plane) < tolerance)
             {
               on_walls[node] |= 1u << w;
-              if (wall.condition == NodeCondition::slip)
-                mask[node] |= 1u << d;
-              else if (wall.condition != NodeCondition::free)
-                mask[node] |= all;
+              for (unsigned int i = 0; i < dim; ++i)
+                if (wall.components[i])
+                  mask[node] |= 1u << i;
               if (wall.condition == NodeCondition::prescribed)
                 moves_with(node, wall.velocity.get());
             }

@@ -135,7 +135,7 @@ namespace selkie
     statistics.set("mean lambda iterations", report.lambda_iterations);
     statistics.set("max lambda iterations", report.max_lambda_iterations);
     statistics.set("step cuts", time.cuts());
-    set_columns(present, scene, statistics);
+    set_columns(present, particles, statistics);
     statistics.set("dissipated energy (J)", dissipated);
     statistics.set("external work (J)", external_work);
     if (scene.has_fluid())

@@ -136,7 +136,7 @@ namespace selkie
     std::array<double, 2>
     norms(const System<dim> &system, const Vector &residual)
     {
-      std::array<double, 2> sums = {0., 0.};
+      std::array<double, 2> sums{};
       for (unsigned int i = 0; i < system.n_owned(); ++i)
         if (!system.held(i))
           sums[i < system.n_owned_displacements() ? 0 : 1] +=

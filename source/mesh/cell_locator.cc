@@ -76,16 +76,40 @@ namespace selkie
 
 
   template <int dim>
+  double
+  CellLocator<dim>::n_finest(const unsigned int direction) const
+  {
+    return std::ldexp(cells[direction], finest_level);
+  }
+
+
+  template <int dim>
+  dealii::Point<dim>
+  CellLocator<dim>::inside_cell(const dealii::Point<dim> &x) const
+  {
+    dealii::Point<dim> center;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double extent = high[d] - low[d];
+        const double s = (x[d] - low[d]) / extent * cells[d]; // as locate()
+        const double i = std::clamp(std::floor(std::ldexp(s, finest_level)),
+                                    0.,
+                                    n_finest(d) - 1.);
+        center[d]      = low[d] + (i + 0.5) / n_finest(d) * extent;
+      }
+    return center;
+  }
+
+
+  template <int dim>
   typename CellLocator<dim>::Key
   CellLocator<dim>::key(const dealii::Point<dim> &vertex) const
   {
     Key result;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double finest =
-          static_cast<double>(cells[d]) * (std::uint64_t(1) << finest_level);
         result[d] =
-          std::llround((vertex[d] - low[d]) / (high[d] - low[d]) * finest);
+          std::llround((vertex[d] - low[d]) / (high[d] - low[d]) * n_finest(d));
       }
     return result;
   }
@@ -98,9 +122,7 @@ namespace selkie
     dealii::Point<dim> x;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double finest =
-          static_cast<double>(cells[d]) * (std::uint64_t(1) << finest_level);
-        const double s = static_cast<double>(key[d]) / finest;
+        const double s = static_cast<double>(key[d]) / n_finest(d);
         x[d]           = low[d] * (1. - s) + high[d] * s; // exact on the walls
       }
     return x;

@@ -299,9 +299,10 @@ namespace selkie
   }
 
 
-  /// The ranks that own positions in cells that this rank does not know.
-  /// deal.II's function is collective, contrary to what its manual says (it
-  /// unites the manifold ids of all ranks), so that all ranks call it or none.
+  /// The ranks that own positions, none of them on a face, in cells that this
+  /// rank does not know. deal.II's function is collective, contrary to what
+  /// its manual says (it unites the manifold ids of all ranks), so that all
+  /// ranks call it or none; and it finds no owner for some points on faces.
   template <int dim>
   std::vector<dealii::types::subdomain_id>
   ParticleSet<dim>::owners_of(
@@ -310,15 +311,21 @@ namespace selkie
     const unsigned int asks = positions.empty() ? 0 : 1;
     if (dealii::Utilities::MPI::max(asks, communicator()) == 0)
       return {};
-    return mesh.find_point_owner_rank(positions);
+    const auto  owners = mesh.find_point_owner_rank(positions);
+    const auto  ranks = dealii::Utilities::MPI::n_mpi_processes(communicator());
+    std::string error;
+    for (const auto owner : owners)
+      if (owner >= ranks)
+        error = "Internal error: a material point has no owner.";
+    throw_on_all_ranks<NumericalFailure>(communicator(), error);
+    return owners;
   }
 
 
   /**
    * Puts points into their cells, on whatever rank. A rank that has a point's
-   * cell as ghost knows its owner; for one further away p4est tells a rank
-   * that owns a cell there. On a face that may be another cell than
-   * CellLocator's, which the receiver then has as ghost: it sends it on.
+   * cell as ghost knows its owner; for one further away p4est does. So one
+   * exchange is enough; the loop is there to see that nothing is left.
    */
   template <int dim>
   void
@@ -326,7 +333,7 @@ namespace selkie
   {
     const CellLocator<dim>           locator(mesh);
     std::vector<std::vector<double>> here = records;
-    for (unsigned int round = 0; round < 5; ++round)
+    for (unsigned int round = 0; round < 3; ++round)
       {
         std::map<unsigned int, std::vector<std::vector<double>>> outgoing;
         std::vector<const std::vector<double> *>                 far_away;
@@ -342,7 +349,7 @@ namespace selkie
             else
               {
                 far_away.push_back(&record);
-                far_positions.push_back(x);
+                far_positions.push_back(locator.inside_cell(x));
               }
           }
         const auto owners = owners_of(far_positions);

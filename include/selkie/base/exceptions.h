@@ -1,6 +1,5 @@
 #pragma once
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/point.h>
 
 #include <sstream>
@@ -74,18 +73,4 @@ namespace selkie
   public:
     using NumericalFailure::NumericalFailure;
   };
-
-  /// Throws Failure on every rank when one of them has something to say; the
-  /// message is that of the lowest such rank. Collective.
-  template <typename Failure>
-  void
-  throw_on_all_ranks(const std::string &message, const MPI_Comm comm)
-  {
-    const unsigned int none = static_cast<unsigned int>(-1);
-    const unsigned int mine =
-      message.empty() ? none : dealii::Utilities::MPI::this_mpi_process(comm);
-    const unsigned int first = dealii::Utilities::MPI::min(mine, comm);
-    if (first != none)
-      throw Failure(dealii::Utilities::MPI::broadcast(comm, message, first));
-  }
 } // namespace selkie

@@ -39,6 +39,11 @@ namespace selkie
     Location
     locate(const dealii::Point<dim> &x) const;
 
+    /// The centre of the finest possible cell around a point: well inside the
+    /// active cell that locate() would find if this rank knew all cells.
+    dealii::Point<dim>
+    inside_cell(const dealii::Point<dim> &x) const;
+
     /// The lattice coordinates of a vertex.
     Key
     key(const dealii::Point<dim> &vertex) const;
@@ -68,6 +73,10 @@ namespace selkie
     }
 
   private:
+    /// How many finest cells there would be in a direction.
+    double
+    n_finest(const unsigned int direction) const;
+
     const Triangulation          &mesh;
     dealii::Point<dim>            low, high;
     std::array<unsigned int, dim> cells; ///< of level 0
