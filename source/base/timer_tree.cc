@@ -9,7 +9,8 @@
 
 namespace selkie
 {
-  namespace
+  /// A node of the tree.
+  struct TimerTree::Section
   {
     /// A moment, or a span, on the two clocks (s).
     struct Times
@@ -35,12 +36,7 @@ namespace selkie
         cpu += to.cpu - from.cpu;
       }
     };
-  } // namespace
 
-
-  /// A node of the tree.
-  struct TimerTree::Section
-  {
     std::string                           name;
     Section                              *parent = nullptr;
     unsigned long long                    calls  = 0;
@@ -174,7 +170,7 @@ namespace selkie
   double
   TimerTree::wall_time() const
   {
-    return run->total(Times::now()).wall;
+    return run->total(Section::Times::now()).wall;
   }
 
 
@@ -182,7 +178,7 @@ namespace selkie
   TimerTree::rows() const
   {
     std::vector<Row> mine;
-    run->list(run->name, 0, Times::now(), mine);
+    run->list(run->name, 0, Section::Times::now(), mine);
 
     const auto       of_ranks = dealii::Utilities::MPI::all_gather(comm, mine);
     std::vector<Row> rows     = of_ranks[0];
