@@ -97,8 +97,8 @@ namespace selkie::test
         near_corner[d]  = 0.1;
       }
     domain.refinements = {
-      {std::make_shared<Ball<dim>>(center, dim == 2 ? 0.15 : 0.08), 2},
-      {std::make_shared<Box<dim>>(dealii::Point<dim>(), near_corner), 1}};
+      {"ball", std::make_shared<Ball<dim>>(center, dim == 2 ? 0.15 : 0.08), 2},
+      {"corner", std::make_shared<Box<dim>>(dealii::Point<dim>(), near_corner), 1}};
     return domain;
   }
 

@@ -42,7 +42,8 @@ TEST(BackgroundMeshMPI, RefinesWhatTouchesAShapeHoweverSmall)
 {
   auto domain        = test::graded_domain<2>();
   domain.refinements = {
-    {std::make_shared<test::Box<2>>(Point<2>(.513, .513), Point<2>(.514, .514)),
+    {"tiny",
+     std::make_shared<test::Box<2>>(Point<2>(.513, .513), Point<2>(.514, .514)),
      3}};
   const auto         mesh   = make_background_mesh(domain, MPI_COMM_WORLD);
   const auto         x      = Point<2>(.5135, .5135);
