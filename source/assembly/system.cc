@@ -132,57 +132,54 @@ namespace selkie
   {
     // Node by node first: a row of a node couples with the nodes of all the
     // patches that it belongs to.
-    struct Neighbours
-    {
-      std::vector<unsigned int> nodes, fluid_nodes;
-    };
-    std::vector<Neighbours> rows(cloud.size());
-    const auto              add = [](std::vector<unsigned int> &list,
-                        const unsigned int        *begin,
-                        const unsigned int         n) {
-      list.insert(list.end(), begin, begin + n);
-      if (list.size() > 512) // keep the lists short while they grow
-        {
-          std::sort(list.begin(), list.end());
-          list.erase(std::unique(list.begin(), list.end()), list.end());
-        }
-    };
+    std::vector<std::vector<const Patch<dim> *>> patches_of(cloud.size());
     for (const auto &patch : table.patches)
       for (unsigned int a = 0; patch.matter && a < patch.n_nodes; ++a)
-        {
-          const unsigned int *list = table.nodes.data() + patch.first_node;
-          add(rows[list[a]].nodes, list, patch.n_nodes);
-          if (patch.fluid)
-            add(rows[list[a]].fluid_nodes, list, patch.n_nodes);
-        }
+        patches_of[table.nodes[patch.first_node + a]].push_back(&patch);
+
+    std::vector<unsigned int> seen(cloud.size(), 0);
+    unsigned int              visit = 0;
+    const auto neighbours = [&](const unsigned int         node,
+                                const bool                 fluid_only,
+                                std::vector<unsigned int> &list) {
+      list.clear();
+      ++visit;
+      for (const Patch<dim> *patch : patches_of[node])
+        if (patch->fluid || !fluid_only)
+          for (unsigned int b = 0; b < patch->n_nodes; ++b)
+            {
+              const unsigned int other = table.nodes[patch->first_node + b];
+              if (seen[other] != visit)
+                list.push_back(other);
+              seen[other] = visit;
+            }
+    };
 
     IndexSet relevant = partition->locally_owned_range();
     relevant.add_indices(partition->ghost_indices());
     DynamicSparsityPattern pattern(n_global(), n_global(), relevant);
     std::vector<types::global_dof_index> entries;
+    std::vector<unsigned int>            all_nodes, fluid_nodes;
     for (unsigned int node = 0; node < cloud.size(); ++node)
       if (u_index[node] != invalid_index)
         {
-          for (auto *list : {&rows[node].nodes, &rows[node].fluid_nodes})
-            {
-              std::sort(list->begin(), list->end());
-              list->erase(std::unique(list->begin(), list->end()),
-                          list->end());
-            }
           const auto global = [&](const unsigned int index) {
             return partition->local_to_global(index);
           };
-          const auto add_columns = [&](const std::vector<unsigned int> &u_list) {
+          const auto set_columns = [&](const std::vector<unsigned int> &u_list) {
             entries.clear();
             for (const unsigned int b : u_list)
               for (unsigned int d = 0; d < dim; ++d)
                 entries.push_back(global(u_index[b]) + d);
             if (has_fluid)
-              for (const unsigned int b : rows[node].fluid_nodes)
+              for (const unsigned int b : fluid_nodes)
                 entries.push_back(global(p_index[b]));
             std::sort(entries.begin(), entries.end());
           };
-          add_columns(rows[node].nodes);
+          neighbours(node, false, all_nodes);
+          if (has_fluid)
+            neighbours(node, true, fluid_nodes);
+          set_columns(all_nodes);
           for (unsigned int d = 0; d < dim; ++d)
             {
               const auto row = global(u_index[node]) + d;
@@ -192,7 +189,7 @@ namespace selkie
           if (pressure(node) != invalid_index)
             {
               const auto row = global(p_index[node]);
-              add_columns(rows[node].fluid_nodes);
+              set_columns(fluid_nodes);
               pattern.add_entries(row, entries.begin(), entries.end(), true);
               pattern.add(row, row);
             }
