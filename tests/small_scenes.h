@@ -4,9 +4,10 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <unistd.h>
+
 #include <fstream>
 #include <string>
-#include <unistd.h>
 
 /// Scenes for unit tests, as text, read by the program's own reader.
 namespace small_scenes

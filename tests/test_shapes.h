@@ -98,7 +98,9 @@ namespace selkie::test
       }
     domain.refinements = {
       {"ball", std::make_shared<Ball<dim>>(center, dim == 2 ? 0.15 : 0.08), 2},
-      {"corner", std::make_shared<Box<dim>>(dealii::Point<dim>(), near_corner), 1}};
+      {"corner",
+       std::make_shared<Box<dim>>(dealii::Point<dim>(), near_corner),
+       1}};
     return domain;
   }
 

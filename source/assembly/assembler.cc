@@ -47,9 +47,9 @@ namespace selkie
                            fields.x.get_partitioner()->n_ghost_indices();
     for (unsigned int i = 0; i < n; ++i)
       {
-        const double du  = fields.x.local_element(i);
-        const double v_n = fields.v_n.local_element(i);
-        const double a_n = fields.a_n.local_element(i);
+        const double du               = fields.x.local_element(i);
+        const double v_n              = fields.v_n.local_element(i);
+        const double a_n              = fields.a_n.local_element(i);
         velocity.local_element(i)     = newmark.velocity(du, v_n, a_n);
         acceleration.local_element(i) = newmark.acceleration(du, v_n, a_n);
       }
@@ -116,9 +116,9 @@ namespace selkie
         if (!patch.integration)
           continue;
 
-        PointKinematics<dim>  &kin   = state.kinematics[q];
-        const StepPoint<dim>  &point = state.point(q);
-        const Tensor<2, dim>   f =
+        PointKinematics<dim> &kin   = state.kinematics[q];
+        const StepPoint<dim> &point = state.point(q);
+        const Tensor<2, dim>  f =
           unit_symmetric_tensor<dim>() + dense.gradient(dense.du, G);
         kin.det_f = determinant(f);
         if (!(kin.det_f > smallest_det_f))

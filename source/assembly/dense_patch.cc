@@ -81,9 +81,9 @@ namespace selkie
               {
                 double     *r = force.data() + dim * n_padded + a;
                 const Lanes sum =
-                  load(r) + N_a * (form.p_source +
-                                   form.lumped * (load(p.data() + a) -
-                                                  state.kinematics[q].p));
+                  load(r) +
+                  N_a * (form.p_source + form.lumped * (load(p.data() + a) -
+                                                        state.kinematics[q].p));
                 simd::store(sum, r);
               }
           }
@@ -103,11 +103,11 @@ namespace selkie
 
     template <int dim, int n_components>
     void
-    row_factors(const PointForm<dim>            &form,
-                const double                    *G, // G_a, strided
-                const unsigned int               stride,
-                const double                     N_a,
-                RowFactors<dim, n_components>   &row)
+    row_factors(const PointForm<dim>          &form,
+                const double                  *G, // G_a, strided
+                const unsigned int             stride,
+                const double                   N_a,
+                RowFactors<dim, n_components> &row)
     {
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int k = 0; k < dim; ++k)
@@ -163,8 +163,8 @@ namespace selkie
                 state.forms[q], N + n_padded + a, n_padded, N[a], rows[q]);
               lumped += state.forms[q].lumped * N[a];
             }
-          double *row = block + std::size_t(a) * n_components * n_components *
-                                  n_padded;
+          double *row =
+            block + std::size_t(a) * n_components * n_components * n_padded;
           for (unsigned int b = 0; b < n_padded; b += lanes)
             {
               Lanes sum[n_components][n_components] = {};

@@ -1,7 +1,6 @@
 #include <selkie/assembly/system.h>
 
 #include <deal.II/base/mpi.h>
-
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 #include <deal.II/lac/sparsity_tools.h>
 
@@ -56,10 +55,10 @@ namespace selkie
 
     // First global numbers, on the owners; then on the halo.
     const types::global_dof_index n_mine = n_u + n_p;
-    const IndexSet                own =
-      Utilities::MPI::create_ascending_partitioning(
-        comm, n_mine)[Utilities::MPI::this_mpi_process(comm)];
-    const types::global_dof_index first = n_mine > 0 ? own.nth_index_in_set(0) : 0;
+    const IndexSet own = Utilities::MPI::create_ascending_partitioning(
+      comm, n_mine)[Utilities::MPI::this_mpi_process(comm)];
+    const types::global_dof_index first =
+      n_mine > 0 ? own.nth_index_in_set(0) : 0;
     n_p_global = Utilities::MPI::sum(types::global_dof_index(n_p), comm);
     Vector u_first(cloud.partitioner()), p_first(cloud.partitioner());
     u_first = p_first = -1.;
@@ -85,8 +84,7 @@ namespace selkie
     std::sort(ghosts.begin(), ghosts.end());
     IndexSet wide(own.size());
     wide.add_indices(ghosts.begin(), ghosts.end());
-    partition =
-      std::make_shared<Utilities::MPI::Partitioner>(own, wide, comm);
+    partition = std::make_shared<Utilities::MPI::Partitioner>(own, wide, comm);
 
     u_index.assign(cloud.size(), invalid_index);
     p_index.assign(has_fluid ? cloud.size() : 0, invalid_index);
@@ -138,8 +136,8 @@ namespace selkie
         patches_of[table.nodes[patch.first_node + a]].push_back(&patch);
 
     std::vector<unsigned int> seen(cloud.size(), 0);
-    unsigned int              visit = 0;
-    const auto neighbours = [&](const unsigned int         node,
+    unsigned int              visit      = 0;
+    const auto                neighbours = [&](const unsigned int         node,
                                 const bool                 fluid_only,
                                 std::vector<unsigned int> &list) {
       list.clear();
@@ -166,16 +164,17 @@ namespace selkie
           const auto global = [&](const unsigned int index) {
             return partition->local_to_global(index);
           };
-          const auto set_columns = [&](const std::vector<unsigned int> &u_list) {
-            entries.clear();
-            for (const unsigned int b : u_list)
-              for (unsigned int d = 0; d < dim; ++d)
-                entries.push_back(global(u_index[b]) + d);
-            if (has_fluid)
-              for (const unsigned int b : fluid_nodes)
-                entries.push_back(global(p_index[b]));
-            std::sort(entries.begin(), entries.end());
-          };
+          const auto set_columns =
+            [&](const std::vector<unsigned int> &u_list) {
+              entries.clear();
+              for (const unsigned int b : u_list)
+                for (unsigned int d = 0; d < dim; ++d)
+                  entries.push_back(global(u_index[b]) + d);
+              if (has_fluid)
+                for (const unsigned int b : fluid_nodes)
+                  entries.push_back(global(p_index[b]));
+              std::sort(entries.begin(), entries.end());
+            };
           neighbours(node, false, all_nodes);
           if (has_fluid)
             neighbours(node, true, fluid_nodes);

@@ -40,7 +40,7 @@ namespace selkie
       }
   }
 
-  Expression::~Expression()                       = default;
+  Expression::~Expression()                      = default;
   Expression::Expression(Expression &&) noexcept = default;
   Expression &
   Expression::operator=(Expression &&) noexcept = default;

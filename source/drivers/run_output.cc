@@ -36,9 +36,9 @@ namespace selkie
     std::string
     duration(const double seconds)
     {
-      return seconds < 120. ? format("%.0f s", seconds) :
-             seconds < 7200 ? format("%.0f min", seconds / 60.) :
-                              format("%.1f h", seconds / 3600.);
+      return seconds < 120.   ? format("%.0f s", seconds)
+             : seconds < 7200 ? format("%.0f min", seconds / 60.)
+                              : format("%.1f h", seconds / 3600.);
     }
   } // namespace
 
@@ -76,12 +76,10 @@ namespace selkie
              " bytes of columns each");
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     statistics.open(scene.output.directory + "/statistics.csv", root);
-    vtu =
-      std::make_unique<VtuWriter<dim>>(scene.output.directory, particles);
+    vtu = std::make_unique<VtuWriter<dim>>(scene.output.directory, particles);
     if (!scene.probes.empty())
-      probes = std::make_unique<Probes<dim>>(scene,
-                                             particles,
-                                             scene.output.directory);
+      probes =
+        std::make_unique<Probes<dim>>(scene, particles, scene.output.directory);
     present        = audit(particles);
     initial_energy = present.energy();
     write_fields(0., 0, nullptr, scene.time.step);
@@ -223,12 +221,11 @@ namespace selkie
     const double scale = std::max({std::abs(initial_energy),
                                    present.kinetic + present.strain,
                                    std::abs(present.potential)});
-    log.line(format("Energy    balance %.3g J (%.2g of the energy in play)",
-                    present.energy() + dissipated - external_work -
-                      initial_energy,
-                    (present.energy() + dissipated - external_work -
-                     initial_energy) /
-                      (scale > 0. ? scale : 1.)));
+    log.line(
+      format("Energy    balance %.3g J (%.2g of the energy in play)",
+             present.energy() + dissipated - external_work - initial_energy,
+             (present.energy() + dissipated - external_work - initial_energy) /
+               (scale > 0. ? scale : 1.)));
   }
 
   template <int dim>
@@ -246,10 +243,10 @@ namespace selkie
 
   template <int dim>
   void
-  RunOutput<dim>::fail(ParticleSet<dim>                            &particles,
-                       parallel::distributed::Triangulation<dim>   &mesh,
-                       const TimeControl                           &time,
-                       const std::string                           &why)
+  RunOutput<dim>::fail(ParticleSet<dim>                          &particles,
+                       parallel::distributed::Triangulation<dim> &mesh,
+                       const TimeControl                         &time,
+                       const std::string                         &why)
   {
     const std::string folder = write_checkpoint(scene.output.directory,
                                                 scene,
@@ -296,8 +293,8 @@ namespace selkie
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     Utilities::System::MemoryStats memory;
     Utilities::System::get_memory_stats(memory);
-    log.line(format("Memory    %.0f MB peak on this rank",
-                    memory.VmPeak / 1024.));
+    log.line(
+      format("Memory    %.0f MB peak on this rank", memory.VmPeak / 1024.));
     log.line(format("Time      %.0f steps of about %.2g s: %s if the first "
                     "step is typical (speed and contact make it longer)",
                     steps,
@@ -305,13 +302,13 @@ namespace selkie
                     duration(steps * seconds_per_step).c_str()));
   }
 
-#define INSTANTIATE(dim)                                                     \
-  template class RunOutput<dim>;                                             \
-  template void describe_plan(const Scene<dim> &,                            \
-                              const ParticleSet<dim> &,                      \
-                              const Stepper<dim> &,                          \
-                              const StepReport<dim> &,                       \
-                              const double,                                  \
+#define INSTANTIATE(dim)                                \
+  template class RunOutput<dim>;                        \
+  template void describe_plan(const Scene<dim> &,       \
+                              const ParticleSet<dim> &, \
+                              const Stepper<dim> &,     \
+                              const StepReport<dim> &,  \
+                              const double,             \
                               Log &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -65,18 +65,15 @@ namespace selkie
     TimerTree      timers(comm);
     RunOutput<dim> output(scene, comm, log, timers);
 
-    auto         setup = timed(timers, "set-up", [&] {
+    auto         setup     = timed(timers, "set-up", [&] {
       return std::make_unique<Setup<dim>>(scene, comm);
     });
     auto        &particles = setup->particles;
-    Stepper<dim> stepper(scene,
-                         particles,
-                         *setup->cloud,
-                         timers,
-                         [&log](const std::string &text) {
-                           log.line("  " + text);
-                         });
-    TimeControl  time(scene.time, setup->cloud->smallest_spacing());
+    Stepper<dim> stepper(
+      scene, particles, *setup->cloud, timers, [&log](const std::string &text) {
+        log.line("  " + text);
+      });
+    TimeControl time(scene.time, setup->cloud->smallest_spacing());
 
     stepper.start(time.now(), time.step());
     output.start(particles, stepper);
@@ -105,25 +102,21 @@ namespace selkie
   void
   print_plan(const Scene<dim> &scene, const MPI_Comm comm)
   {
-    Log        log(comm);
-    TimerTree  timers(comm);
-    Setup<dim> setup(scene, comm);
+    Log          log(comm);
+    TimerTree    timers(comm);
+    Setup<dim>   setup(scene, comm);
     Stepper<dim> stepper(
       scene, setup.particles, *setup.cloud, timers, [](const std::string &) {});
     TimeControl time(scene.time, setup.cloud->smallest_spacing());
     stepper.start(time.now(), time.step());
     const double begin  = timers.wall_time();
     const auto   report = stepper.step(time.now(), time.step());
-    describe_plan(scene,
-                  setup.particles,
-                  stepper,
-                  report,
-                  timers.wall_time() - begin,
-                  log);
+    describe_plan(
+      scene, setup.particles, stepper, report, timers.wall_time() - begin, log);
   }
 
-#define INSTANTIATE(dim)                                                     \
-  template int  run_scene(const Scene<dim> &, const MPI_Comm);               \
+#define INSTANTIATE(dim)                                       \
+  template int  run_scene(const Scene<dim> &, const MPI_Comm); \
   template void print_plan(const Scene<dim> &, const MPI_Comm)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -58,8 +58,7 @@ namespace selkie
     }
     {
       TimerTree::Scope scope(timers, "projection");
-      project(
-        particles, table, unknowns, t, dt, stored_pressure, fields);
+      project(particles, table, unknowns, t, dt, stored_pressure, fields);
     }
     if (gauss)
       {
@@ -91,9 +90,9 @@ namespace selkie
             traits.mixed      = true;
             // The unsymmetric part is of the order of mu |l| against the
             // inertia; for water it is round-off.
-            if (scene.viscosity && fluid.viscosity() * newmark.alpha4 >
-                                     1e-2 * fluid.density() * h * h *
-                                       newmark.alpha1)
+            if (scene.viscosity &&
+                fluid.viscosity() * newmark.alpha4 >
+                  1e-2 * fluid.density() * h * h * newmark.alpha1)
               traits.symmetric = false;
           }
       }
@@ -142,8 +141,8 @@ namespace selkie
           sums[i < system.n_owned_displacements() ? 0 : 1] +=
             residual.local_element(i) * residual.local_element(i);
       for (double &sum : sums)
-        sum = std::sqrt(
-          Utilities::MPI::sum(sum, residual.get_mpi_communicator()));
+        sum =
+          std::sqrt(Utilities::MPI::sum(sum, residual.get_mpi_communicator()));
       return sums;
     }
   } // namespace
@@ -155,8 +154,7 @@ namespace selkie
     NewtonProblem problem;
     problem.residual = [this, &time](Vector &, Vector &residual) {
       TimerTree::Scope scope(timers, "residual");
-      assembler.assemble(
-        table, time, fields, pressure_unit, false, residual);
+      assembler.assemble(table, time, fields, pressure_unit, false, residual);
     };
     problem.solve = [this, &time](Vector &, const Vector &, Vector &dx) {
       Vector rhs(dx);
@@ -167,9 +165,9 @@ namespace selkie
       TimerTree::Scope   scope(timers, "linear solve");
       const unsigned int n_u = unknowns.n_owned_displacements();
       for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
-        rhs.local_element(i) *= unknowns.held(i) ? 0. :
-                                i < n_u          ? -1. :
-                                                   -pressure_unit;
+        rhs.local_element(i) *= unknowns.held(i) ? 0.
+                                : i < n_u        ? -1.
+                                                 : -pressure_unit;
       const auto report =
         linear_solver.solve(unknowns, traits(time.newmark), rhs, dx);
       for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
@@ -177,7 +175,7 @@ namespace selkie
       return report.iterations;
     };
     problem.error = [this](const Vector &residual) {
-      const auto [R_u, R_p] = norms(unknowns, residual);
+      const auto [R_u, R_p]  = norms(unknowns, residual);
       const double tolerance = scene.newton.tolerance;
       // R_p counts volume: it is asked for three more digits, since the
       // pressure is K times the volume's relative error.
@@ -193,9 +191,9 @@ namespace selkie
           largest = std::max(largest, std::abs(dx.local_element(i)));
         }
       largest = Utilities::MPI::max(largest, particles.communicator());
-      return largest == std::numeric_limits<double>::max() ?
-               std::numeric_limits<double>::infinity() :
-               largest / cloud.smallest_spacing();
+      return largest == std::numeric_limits<double>::max()
+               ? std::numeric_limits<double>::infinity()
+               : largest / cloud.smallest_spacing();
     };
     return problem;
   }
@@ -223,18 +221,17 @@ namespace selkie
           std::sqrt(Utilities::MPI::sum(volume, particles.communicator()));
         for (const auto &body : scene.bodies)
           if (body.law->phase() == Phase::fluid)
-            pressure_unit = std::max(
-              pressure_unit,
-              body.law->density() *
-                std::pow(cloud.smallest_spacing(), 2) * time.newmark.alpha1);
+            pressure_unit = std::max(pressure_unit,
+                                     body.law->density() *
+                                       std::pow(cloud.smallest_spacing(), 2) *
+                                       time.newmark.alpha1);
       }
 
     StepReport<dim> report;
     {
       TimerTree::Scope scope(timers, "newton");
       report.newton = newton(newton_problem(time), scene.newton, fields.x);
-      assembler.assemble(
-        table, time, fields, pressure_unit, false, residual);
+      assembler.assemble(table, time, fields, pressure_unit, false, residual);
       fields.x.update_ghost_values();
       collect(time, residual, report);
     }
@@ -262,10 +259,11 @@ namespace selkie
         double             v2    = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           {
-            v2 += std::pow(time.newmark.velocity(fields.x.local_element(u + d),
-                                                 fields.v_n.local_element(u + d),
-                                                 fields.a_n.local_element(u + d)),
-                           2);
+            v2 +=
+              std::pow(time.newmark.velocity(fields.x.local_element(u + d),
+                                             fields.v_n.local_element(u + d),
+                                             fields.a_n.local_element(u + d)),
+                       2);
             if (!unknowns.held(u + d))
               continue;
             const double R = residual.local_element(u + d);
@@ -286,10 +284,10 @@ namespace selkie
     report.largest_speed = Utilities::MPI::max(speed, comm);
     const auto powers    = assembler.powers(table, time, fields);
     report.dissipated    = powers.dissipation * time.newmark.dt;
-    report.external_work = powers.external_work +
-                           Utilities::MPI::sum(reaction_work, comm);
-    report.unknowns      = unknowns.n_global();
-    report.patches       = Utilities::MPI::sum(table.patches.size(), comm);
+    report.external_work =
+      powers.external_work + Utilities::MPI::sum(reaction_work, comm);
+    report.unknowns = unknowns.n_global();
+    report.patches  = Utilities::MPI::sum(table.patches.size(), comm);
     report.lambda_iterations =
       double(Utilities::MPI::sum(table.newton_iterations, comm)) /
       Utilities::MPI::sum(table.points.size(), comm);

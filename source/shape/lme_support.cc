@@ -69,9 +69,9 @@ namespace selkie
     /// The state of a material point at t_n.
     template <int dim>
     StepPoint<dim>
-    step_point(const ParticleSet<dim>                     &particles,
-               const Particles::ParticleAccessor<dim>     &particle,
-               const unsigned int                          index)
+    step_point(const ParticleSet<dim>                 &particles,
+               const Particles::ParticleAccessor<dim> &particle,
+               const unsigned int                      index)
     {
       const auto  properties = particle.get_properties();
       const auto &columns    = particles.columns;
@@ -212,15 +212,15 @@ namespace selkie
         }
   }
 
-#define INSTANTIATE(dim)                                                     \
-  template void fill_material_points(const ParticleSet<dim> &,               \
-                                     const NodeCloud<dim> &,                 \
-                                     const Occupancy<dim> &,                 \
-                                     SupportTable<dim> &);                   \
-  template void add_gauss_points(                                            \
-    const ParticleSet<dim> &,                                                \
-    const NodeCloud<dim> &,                                                  \
-    const LinearAlgebra::distributed::Vector<double> &,                      \
+#define INSTANTIATE(dim)                                       \
+  template void fill_material_points(const ParticleSet<dim> &, \
+                                     const NodeCloud<dim> &,   \
+                                     const Occupancy<dim> &,   \
+                                     SupportTable<dim> &);     \
+  template void add_gauss_points(                              \
+    const ParticleSet<dim> &,                                  \
+    const NodeCloud<dim> &,                                    \
+    const LinearAlgebra::distributed::Vector<double> &,        \
     SupportTable<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -45,9 +45,9 @@ namespace selkie
     if (n_phases > 32)
       throw SceneError("a scene may have at most 31 solid bodies");
 
-    const auto       cells = occupied_cells(particles);
-    Occupancy<dim>   result;
-    NodeVector       mark(cloud.partitioner());
+    const auto     cells = occupied_cells(particles);
+    Occupancy<dim> result;
+    NodeVector     mark(cloud.partitioner());
     result.active.assign(cloud.size(), 0);
 
     for (unsigned int phase = 0; phase < n_phases; ++phase)

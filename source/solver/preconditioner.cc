@@ -3,9 +3,9 @@
 
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
+#include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
-#include <EpetraExt_MatrixMatrix.h>
 #include <ml_MultiLevelPreconditioner.h>
 
 namespace selkie
@@ -113,8 +113,8 @@ namespace selkie
             list.set("null space: dimension", static_cast<int>(modes.size()));
             list.set("null space: vectors", null_space.data());
           }
-        ml = std::make_unique<ML_Epetra::MultiLevelPreconditioner>(matrix,
-                                                                   list);
+        ml =
+          std::make_unique<ML_Epetra::MultiLevelPreconditioner>(matrix, list);
       }
 
       void
@@ -142,8 +142,8 @@ namespace selkie
     std::vector<std::vector<double>>
     rigid_body_modes(const System<dim> &system)
     {
-      constexpr unsigned int n_modes = dim == 2 ? 3 : 6;
-      const auto            &nodes   = system.owned_nodes();
+      constexpr unsigned int           n_modes = dim == 2 ? 3 : 6;
+      const auto                      &nodes   = system.owned_nodes();
       std::vector<std::vector<double>> modes(
         n_modes, std::vector<double>(dim * nodes.size(), 0.));
       for (unsigned int k = 0; k < nodes.size(); ++k)
@@ -193,8 +193,8 @@ namespace selkie
         C  = extract(K, n_u, n, column_kind, 1., p_map, p_map);
       }
 
-      const int  n_u, n;
-      Epetra_Map u_map, p_map;
+      const int                         n_u, n;
+      Epetra_Map                        u_map, p_map;
       std::unique_ptr<Epetra_CrsMatrix> A, B, BT, C;
 
     private:
@@ -211,13 +211,10 @@ namespace selkie
         double *values;
         K.ExtractCrsDataPointers(start, column, values);
         const Epetra_Map &column_map = K.ColMap();
-        auto              block =
-          std::make_unique<Epetra_CrsMatrix>(Copy,
-                                             row_map,
-                                             end > begin ?
-                                               (start[end] - start[begin]) /
-                                                 (end - begin) :
-                                               0);
+        auto              block      = std::make_unique<Epetra_CrsMatrix>(
+          Copy,
+          row_map,
+          end > begin ? (start[end] - start[begin]) / (end - begin) : 0);
         std::vector<int>    indices;
         std::vector<double> entries;
         for (int i = begin; i < end; ++i)
@@ -258,8 +255,10 @@ namespace selkie
                                                     dim,
                                                     rigid_body_modes(system));
         form_schur_complement();
-        S_multigrid = std::make_unique<Multigrid>(
-          *S, 1, std::vector<std::vector<double>>());
+        S_multigrid =
+          std::make_unique<Multigrid>(*S,
+                                      1,
+                                      std::vector<std::vector<double>>());
       }
 
       void
@@ -348,12 +347,12 @@ namespace selkie
                                             multigrid_for_displacements);
   }
 
-#define INSTANTIATE(dim)                                                     \
-  template std::unique_ptr<const Preconditioner> make_node_block_jacobi(     \
-    const System<dim> &, const TrilinosWrappers::SparseMatrix &);            \
-  template std::unique_ptr<const Preconditioner> make_ml(                    \
-    const System<dim> &, const TrilinosWrappers::SparseMatrix &);            \
-  template std::unique_ptr<const Preconditioner> make_block_ldlt(            \
+#define INSTANTIATE(dim)                                                 \
+  template std::unique_ptr<const Preconditioner> make_node_block_jacobi( \
+    const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
+  template std::unique_ptr<const Preconditioner> make_ml(                \
+    const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
+  template std::unique_ptr<const Preconditioner> make_block_ldlt(        \
     const System<dim> &, const TrilinosWrappers::SparseMatrix &, const bool)
   INSTANTIATE(2);
   INSTANTIATE(3);

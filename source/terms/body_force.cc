@@ -72,7 +72,7 @@ namespace selkie
   }
 
   template std::unique_ptr<const Term<2>>
-  make_body_force<2>(std::shared_ptr<VectorExpression<2>>);
+    make_body_force<2>(std::shared_ptr<VectorExpression<2>>);
   template std::unique_ptr<const Term<3>>
-  make_body_force<3>(std::shared_ptr<VectorExpression<3>>);
+    make_body_force<3>(std::shared_ptr<VectorExpression<3>>);
 } // namespace selkie

@@ -40,8 +40,7 @@ namespace selkie
           {
             const StepPoint<dim> &point = state.point(q);
             const auto           &kin   = state.kinematics[q];
-            const auto           &law =
-              static_cast<const HyperelasticLaw &>(*point.law);
+            const auto &law = static_cast<const HyperelasticLaw &>(*point.law);
             const Tensor<2, 3> F = kin.f * extend(point.F_n);
             const Tensor<2, 3> b = left_cauchy_green(F);
 

@@ -41,10 +41,10 @@ namespace selkie
           {
             const StepPoint<dim> &point = state.point(q);
             const auto           &kin   = state.kinematics[q];
-            const auto   &law  = static_cast<const FluidLaw &>(*point.law);
-            auto         &form = state.forms[q];
-            const double  V_0  = point.volume;
-            const double  W    = V_0 * kin.J;
+            const auto  &law  = static_cast<const FluidLaw &>(*point.law);
+            auto        &form = state.forms[q];
+            const double V_0  = point.volume;
+            const double W    = V_0 * kin.J;
 
             form.add_stress(W * -kin.p, identity(), kin);
             form.p_source -= V_0 * (kin.J - law.J_of_pressure(kin.p));

@@ -41,10 +41,11 @@ namespace selkie
         const Newmark &newmark = state.time->newmark;
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
           {
-            const auto  &law = static_cast<const FluidLaw &>(*state.point(q).law);
-            const double G_e = law.viscosity() * newmark.alpha4 +
-                               law.density() * state.h * state.h *
-                                 newmark.alpha1;
+            const auto &law =
+              static_cast<const FluidLaw &>(*state.point(q).law);
+            const double G_e =
+              law.viscosity() * newmark.alpha4 +
+              law.density() * state.h * state.h * newmark.alpha1;
             state.forms[q].lumped -= state.point(q).volume * alpha / G_e;
           }
       }

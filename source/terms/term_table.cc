@@ -9,7 +9,7 @@ namespace selkie
   make_terms(const Scene<dim> &scene)
   {
     std::vector<std::unique_ptr<const Term<dim>>> terms;
-    const bool has_solid =
+    const bool                                    has_solid =
       std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto &b) {
         return b.law->phase() == Phase::solid;
       });

@@ -45,7 +45,9 @@ namespace selkie
             const double V_0 = state.point(q).volume;
             const double mu =
               static_cast<const FluidLaw &>(*state.point(q).law).viscosity();
-            state.forms[q].add_stress(V_0, viscous_stress(mu, kin.J, kin.l), kin);
+            state.forms[q].add_stress(V_0,
+                                      viscous_stress(mu, kin.J, kin.l),
+                                      kin);
             if (with_tangent)
               state.forms[q].add_tangent(
                 V_0,

@@ -21,9 +21,9 @@ namespace selkie
   bool
   TimeControl::cut()
   {
-    const double smallest = parameters.smallest_step > 0. ?
-                              parameters.smallest_step :
-                              parameters.step / 1024.;
+    const double smallest = parameters.smallest_step > 0.
+                              ? parameters.smallest_step
+                              : parameters.step / 1024.;
     if (0.5 * dt < smallest)
       return false;
     dt      = 0.5 * dt;

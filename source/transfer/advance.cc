@@ -85,8 +85,7 @@ namespace selkie
             const auto  mine  = properties[point.particle];
             const auto  at =
               interpolate(table, patch, q, system, newmark, fields);
-            const Tensor<2, dim> f =
-              unit_symmetric_tensor<dim>() + at.grad_du;
+            const Tensor<2, dim> f = unit_symmetric_tensor<dim>() + at.grad_du;
 
             displacements[point.particle] = at.du;
             columns.lambda.set(mine, point.lambda);
@@ -99,8 +98,8 @@ namespace selkie
                       patch.fluid && patch.n_points < lone_points;
                     columns.v.set(mine, at.v);
                     columns.grad_v.set(mine,
-                                       alone ? Tensor<2, dim>() :
-                                               at.grad_v * invert(f));
+                                       alone ? Tensor<2, dim>()
+                                             : at.grad_v * invert(f));
                   }
                 else
                   columns.v.set(mine,
@@ -112,8 +111,10 @@ namespace selkie
                 const auto  &law   = static_cast<const FluidLaw &>(*point.law);
                 const double moved = point.J_n * determinant(f);
                 const double reset = law.J_of_pressure(at.p);
-                report.reset_energy +=
-                  point.volume * (law.energy(reset) - law.energy(moved));
+                // In full cells the Gauss points hold the energy.
+                if (patch.integration)
+                  report.reset_energy +=
+                    point.volume * (law.energy(reset) - law.energy(moved));
                 columns.J.set(mine, reset);
                 columns.pressure.set(mine, at.p);
               }
@@ -143,11 +144,10 @@ namespace selkie
             Tensor<1, dim> a_q;
             for (unsigned int k = 0; k < patch.n_nodes; ++k)
               for (unsigned int d = 0; d < dim; ++d)
-                a_q[d] += table.N(patch, q)[k] *
-                          a.local_element(
-                            system.displacement(
-                              table.nodes[patch.first_node + k]) +
-                            d);
+                a_q[d] +=
+                  table.N(patch, q)[k] *
+                  a.local_element(
+                    system.displacement(table.nodes[patch.first_node + k]) + d);
             particles.columns.a.set(
               properties[table.points[patch.first_point + q].particle], a_q);
           }

@@ -17,7 +17,7 @@ namespace selkie
                const System<dim>       &system,
                StepFields              &fields)
     {
-      const auto &columns = particles.columns;
+      const auto                          &columns = particles.columns;
       std::vector<ArrayView<const double>> properties;
       properties.reserve(table.n_particles);
       for (const auto &particle : particles.handler())
@@ -27,10 +27,10 @@ namespace selkie
         if (patch.matter)
           for (unsigned int q = 0; q < patch.n_points; ++q)
             {
-              const auto  &point = table.points[patch.first_point + q];
-              const double m     = point.mass;
-              const auto   mine  = properties[point.particle];
-              const bool   moves = columns.v.exists();
+              const auto          &point = table.points[patch.first_point + q];
+              const double         m     = point.mass;
+              const auto           mine  = properties[point.particle];
+              const bool           moves = columns.v.exists();
               const Tensor<1, dim> v =
                 moves ? columns.v(mine) : Tensor<1, dim>();
               const Tensor<1, dim> a =
@@ -154,11 +154,10 @@ namespace selkie
       if (patch.matter)
         for (unsigned int q = 0; q < patch.n_points; ++q)
           {
-            const auto  &point  = table.points[patch.first_point + q];
-            const double volume = point.volume * (patch.fluid ?
-                                                    point.J_n :
-                                                    determinant(point.F_n));
-            const double *N     = table.N(patch, q);
+            const auto  &point = table.points[patch.first_point + q];
+            const double volume =
+              point.volume * (patch.fluid ? point.J_n : determinant(point.F_n));
+            const double *N = table.N(patch, q);
             for (unsigned int k = 0; k < patch.n_nodes; ++k)
               theta.local_element(table.nodes[patch.first_node + k]) +=
                 volume * N[k];
@@ -176,8 +175,7 @@ namespace selkie
             double        theta_q = 0.;
             for (unsigned int k = 0; k < patch.n_nodes; ++k)
               theta_q +=
-                N[k] *
-                theta.local_element(table.nodes[patch.first_node + k]);
+                N[k] * theta.local_element(table.nodes[patch.first_node + k]);
             const double crowding =
               std::max(0., theta_q - 1. - parameters.volume_deadband);
             table.points[patch.first_point + q].J_n *=
@@ -185,19 +183,19 @@ namespace selkie
           }
   }
 
-#define INSTANTIATE(dim)                                                     \
-  template void project(const ParticleSet<dim> &,                            \
-                        const SupportTable<dim> &,                           \
-                        const System<dim> &,                                 \
-                        const double,                                        \
-                        const double,                                        \
-                        const Vector &,                                      \
-                        StepFields &);                                       \
-  template void store_pressure(const System<dim> &,                          \
-                               const StepFields &,                           \
-                               Vector &);                                    \
-  template void correct_volume(const FluidPressure &,                        \
-                               const System<dim> &,                          \
+#define INSTANTIATE(dim)                              \
+  template void project(const ParticleSet<dim> &,     \
+                        const SupportTable<dim> &,    \
+                        const System<dim> &,          \
+                        const double,                 \
+                        const double,                 \
+                        const Vector &,               \
+                        StepFields &);                \
+  template void store_pressure(const System<dim> &,   \
+                               const StepFields &,    \
+                               Vector &);             \
+  template void correct_volume(const FluidPressure &, \
+                               const System<dim> &,   \
                                SupportTable<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);

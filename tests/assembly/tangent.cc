@@ -1,8 +1,6 @@
 // Every block of the assembled tangent against central differences of the
 // assembled residual, in a scene with all of them: a viscous mixed fluid with
 // PPP, Gauss points in full cells and an elastic solid that shares its nodes.
-#include "../small_scenes.h"
-
 #include <selkie/assembly/assembler.h>
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/shape/lme_support.h>
@@ -12,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+
+#include "../small_scenes.h"
 
 namespace
 {
@@ -32,10 +32,9 @@ namespace
                                                scene.lme.support_tolerance);
       conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
       terms      = make_terms(scene);
-      system     = std::make_unique<System<dim>>(*cloud,
-                                             *conditions,
-                                             scene.has_fluid());
-      assembler  = std::make_unique<Assembler<dim>>(terms, *system);
+      system =
+        std::make_unique<System<dim>>(*cloud, *conditions, scene.has_fluid());
+      assembler = std::make_unique<Assembler<dim>>(terms, *system);
 
       Vector stored(cloud->partitioner());
       stored               = std::numeric_limits<double>::quiet_NaN();
@@ -52,12 +51,12 @@ namespace
       // A state away from rest, with pressure.
       for (unsigned int i = 0; i < system->n_owned(); ++i)
         fields.x.local_element(i) =
-          i < system->n_owned_displacements() ?
-            (system->held(i) ? 0. : 2e-3 * std::sin(3. + i)) :
-            500. + 300. * std::sin(i);
+          i < system->n_owned_displacements()
+            ? (system->held(i) ? 0. : 2e-3 * std::sin(3. + i))
+            : 500. + 300. * std::sin(i);
     }
 
-    Scene<dim> scene;
+    Scene<dim>                                                         scene;
     std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>> mesh;
     ParticleSet<dim>                              particles;
     std::unique_ptr<NodeCloud<dim>>               cloud;
@@ -134,8 +133,7 @@ TEST(Tangent, PressureColumns)
 
 TEST(Tangent, ConsistentMass)
 {
-  Problem<2> problem(small_scenes::free_block(),
-                     {"Inertia/Mass=consistent"});
+  Problem<2> problem(small_scenes::free_block(), {"Inertia/Mass=consistent"});
   check_direction(problem, false);
 }
 
@@ -155,10 +153,10 @@ TEST(Tangent, SymmetricWithoutViscosity)
   double      largest = 0., difference = 0.;
   for (const auto &entry : K)
     {
-      largest    = std::max(largest, std::abs(entry.value()));
-      difference = std::max(difference,
-                            std::abs(entry.value() -
-                                     K.el(entry.column(), entry.row())));
+      largest = std::max(largest, std::abs(entry.value()));
+      difference =
+        std::max(difference,
+                 std::abs(entry.value() - K.el(entry.column(), entry.row())));
     }
   EXPECT_LT(difference, 1e-12 * largest);
 }

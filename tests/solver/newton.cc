@@ -32,7 +32,7 @@ namespace
   Vector
   start(const double value)
   {
-    Vector x;
+    Vector           x;
     dealii::IndexSet one(1);
     one.add_index(0);
     // One unknown on each rank by itself: no communication.
@@ -51,8 +51,9 @@ TEST(Newton, ConvergesQuadratically)
   ASSERT_GE(e.size(), 4u);
   // e_{k+1} = C e_k^2: the exponent seen from the last three errors above
   // round-off.
-  const std::size_t n     = e.size() - 2;
-  const double      order = std::log(e[n] / e[n - 1]) / std::log(e[n - 1] / e[n - 2]);
+  const std::size_t n = e.size() - 2;
+  const double      order =
+    std::log(e[n] / e[n - 1]) / std::log(e[n - 1] / e[n - 2]);
   EXPECT_GT(order, 1.8);
 }
 

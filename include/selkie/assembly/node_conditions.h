@@ -40,9 +40,9 @@ namespace selkie
     }
 
   private:
-    const NodeCloud<dim>                                &cloud;
-    std::vector<unsigned int>                            mask, on_walls;
-    std::vector<const VectorExpression<dim> *>           motions;
+    const NodeCloud<dim>                      &cloud;
+    std::vector<unsigned int>                  mask, on_walls;
+    std::vector<const VectorExpression<dim> *> motions;
     std::vector<unsigned int> motion_of; ///< index + 1 into motions; 0: none
   };
 } // namespace selkie

@@ -8,7 +8,6 @@
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
-
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 
 #include <memory>
@@ -133,7 +132,7 @@ namespace selkie
 
   private:
     void
-    number_unknowns(const Occupancy<dim> &occupancy,
+    number_unknowns(const Occupancy<dim>    &occupancy,
                     const SupportTable<dim> &table);
     void
     build_sparsity(const SupportTable<dim> &table);
@@ -142,15 +141,15 @@ namespace selkie
 
     const bool has_fluid;
 
-    std::vector<unsigned int> nodes, p_nodes, u_index, p_index;
-    std::vector<bool>         is_held;
-    unsigned int              n_u = 0, n_p = 0;
+    std::vector<unsigned int>       nodes, p_nodes, u_index, p_index;
+    std::vector<bool>               is_held;
+    unsigned int                    n_u = 0, n_p = 0;
     dealii::types::global_dof_index n_p_global = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
     dealii::TrilinosWrappers::SparseMatrix                     tangent;
     std::vector<int>                                           columns;
-    std::size_t  last_hash       = 0;
-    unsigned int sparsity_builds = 0;
+    std::size_t                                                last_hash = 0;
+    unsigned int sparsity_builds                                         = 0;
   };
 } // namespace selkie

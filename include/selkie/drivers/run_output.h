@@ -54,10 +54,10 @@ namespace selkie
 
     /// Writes a checkpoint of the last good state and says why the run ends.
     void
-    fail(ParticleSet<dim>                                          &particles,
-         dealii::parallel::distributed::Triangulation<dim>         &mesh,
-         const TimeControl                                         &time,
-         const std::string                                         &why);
+    fail(ParticleSet<dim>                                  &particles,
+         dealii::parallel::distributed::Triangulation<dim> &mesh,
+         const TimeControl                                 &time,
+         const std::string                                 &why);
 
   private:
     void
@@ -93,7 +93,7 @@ namespace selkie
     double             initial_energy = 0;
     double             dissipated = 0, external_work = 0, reset_energy = 0;
     double             next_fields = 0, next_probes = 0; ///< s
-    unsigned long long unknowns = 0;
+    unsigned long long unknowns   = 0;
     double             start_wall = 0;
   };
 

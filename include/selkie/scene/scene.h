@@ -175,8 +175,8 @@ namespace selkie
   {
     SolverKind   kind           = SolverKind::automatic;
     double       tolerance      = 1e-8; ///< relative, true residual
-    unsigned int max_iterations = 500;
-    unsigned int direct_below   = 2000; ///< unknowns, for `automatic`
+    unsigned int max_iterations = 2000;
+    unsigned int direct_below   = 8000; ///< unknowns of a mixed 2D system
   };
 
   /// What is done with a point that leaves the domain.

@@ -5,7 +5,6 @@
 #include <deal.II/base/aligned_vector.h>
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
-
 #include <deal.II/grid/tria.h>
 
 #include <vector>
@@ -43,17 +42,17 @@ namespace selkie
   template <int dim>
   struct StepPoint
   {
-    dealii::Point<dim>     x;      ///< position at t_n (m)
-    const Law             *law = nullptr;
+    dealii::Point<dim>     x; ///< position at t_n (m)
+    const Law             *law    = nullptr;
     double                 mass   = 0; ///< kg; zero for Gauss points
     double                 volume = 0; ///< reference volume V_0
     dealii::Tensor<2, dim> F_n;        ///< solids
-    double                 J_n  = 1;   ///< fluids
-    dealii::Point<dim>     X;            ///< reference position, on request
+    double                 J_n = 1;    ///< fluids
+    dealii::Point<dim>     X;          ///< reference position, on request
     double                 traction_area = 0; ///< m^2 (m in 2D), on request
-    unsigned int           body = 0;
-    unsigned int           particle = 0; ///< place in the iteration order
-    dealii::Tensor<1, dim> lambda;       ///< LME multiplier found
+    unsigned int           body          = 0;
+    unsigned int           particle      = 0; ///< place in the iteration order
+    dealii::Tensor<1, dim> lambda;            ///< LME multiplier found
   };
 
   /**
@@ -73,8 +72,8 @@ namespace selkie
     std::vector<unsigned int>     nodes; ///< indices into the NodeCloud
     dealii::AlignedVector<double> data;
 
-    unsigned int       n_particles       = 0; ///< owned material points
-    unsigned long long newton_iterations = 0; ///< for lambda, all points
+    unsigned int       n_particles           = 0; ///< owned material points
+    unsigned long long newton_iterations     = 0; ///< for lambda, all points
     unsigned int       max_newton_iterations = 0;
 
     const double *

@@ -15,7 +15,7 @@ namespace selkie
     bool   mixed        = false; ///< has pressures: quasi-definite
     bool   symmetric    = true;  ///< no (relevant) viscosity
     bool   has_solid    = false;
-    double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
+    double acoustic_cfl = 0; ///< largest c dt / h over the bodies
   };
 
   struct LinearSolveReport
@@ -38,7 +38,7 @@ namespace selkie
   {
   public:
     /// @param log takes one line for each fall-back.
-    LinearSolver(const LinearSolverParameters           &parameters,
+    LinearSolver(const LinearSolverParameters            &parameters,
                  std::function<void(const std::string &)> log);
 
     /// Solves K x = rhs with System::matrix(). Throws LinearSolverFailure when
@@ -55,11 +55,11 @@ namespace selkie
 
   private:
     unsigned int
-    iterate(const SolverKind kind,
-            System<dim>     &system,
+    iterate(const SolverKind    kind,
+            System<dim>        &system,
             const SystemTraits &traits,
-            const Vector    &rhs,
-            Vector          &x);
+            const Vector       &rhs,
+            Vector             &x);
     void
     solve_directly(System<dim> &system, const Vector &rhs, Vector &x);
 

@@ -11,7 +11,8 @@
 
 namespace selkie
 {
-  /// The one place for preconditioners: x = P^{-1} b on the unknowns' numbering.
+  /// The one place for preconditioners: x = P^{-1} b on the unknowns'
+  /// numbering.
   class Preconditioner
   {
   public:

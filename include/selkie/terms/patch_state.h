@@ -16,12 +16,12 @@ namespace selkie
   template <int dim>
   struct PointKinematics
   {
-    dealii::Tensor<2, 3> f;     ///< incremental gradient
+    dealii::Tensor<2, 3> f; ///< incremental gradient
     dealii::Tensor<2, 3> f_inv;
     double               det_f = 1;
     double               J     = 1; ///< J_n det f
-    dealii::Tensor<2, 3> l;     ///< velocity gradient (1/s), on request
-    double               p = 0; ///< sum N_a p_a (Pa), in fluids
+    dealii::Tensor<2, 3> l;         ///< velocity gradient (1/s), on request
+    double               p = 0;     ///< sum N_a p_a (Pa), in fluids
     /// f^{-T} e_j: gradients push forward as g_a = sum_j (grad_n N_a)_j c_j.
     std::array<dealii::Tensor<1, 3>, dim> c;
   };
@@ -39,10 +39,10 @@ namespace selkie
   template <int dim>
   struct PointForm
   {
-    dealii::Tensor<2, dim> flux;
-    dealii::Tensor<1, dim> source;
+    dealii::Tensor<2, dim>                                   flux;
+    dealii::Tensor<1, dim>                                   source;
     std::array<std::array<dealii::Tensor<2, dim>, dim>, dim> stiffness;
-    double                 mass = 0;
+    double                                                   mass = 0;
 
     double                 p_source = 0, p_stiffness = 0, lumped = 0;
     dealii::Tensor<2, dim> coupling;
