@@ -226,7 +226,8 @@ def vibrating_bar_full(selkie, folder):
     previous = None
     for cells in (8, 16, 32, 64):
         error = bar(selkie, folder / str(cells), cells)
-        order = [math.log2(a / b) for a, b in zip(previous, error)] if previous else [0, 0]
+        order = [math.log2(a / b) for a, b in zip(previous[:2], error[:2])] \
+            if previous else [math.nan] * 2
         print(f"       {cells} cells: period {error[0]:.3e} (order {order[0]:.2f}), "
               f"velocity {error[1]:.3e} (order {order[1]:.2f}), energy {error[2]:.3e}")
         previous = error
