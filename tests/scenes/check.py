@@ -274,20 +274,20 @@ def scales(s):
 
 
 def ranks(selkie, folder, what):
-    """SCENE:STEPS: one, two and three ranks write the same statistics."""
-    scene, steps = what.split(":")
+    """SCENE:STEPS[:SETTING]: 1, 2 and 3 ranks write the same statistics."""
+    scene, steps, *settings = what.split(":")
     path = BENCHMARKS / (scene + ".prm")
     lines = path.read_text().splitlines()
     lines = lines[lines.index("subsection Time"):]
     step = next(float(line.split("=")[1].split("#")[0]) for line in lines
                 if line.strip().startswith("set Step "))
-    end = f"Time/End time={int(steps) * step!r}"
-    one = run(selkie, path, folder / "1", [end], 1)
+    settings.append(f"Time/End time={int(steps) * step!r}")
+    one = run(selkie, path, folder / "1", settings, 1)
     by = scales(one)
     # The work of the linear solver may depend on the partition.
     names = [name for name in one if name != "linear iterations"]
     for n in (2, 3):
-        other = run(selkie, path, folder / str(n), [end], n)
+        other = run(selkie, path, folder / str(n), settings, n)
         if len(other["time"]) != len(one["time"]):
             check(f"{n} ranks: rows", len(other["time"]) - len(one["time"]), 0)
             continue
