@@ -1,0 +1,309 @@
+#!/usr/bin/python3
+"""Runs a scene and compares its curves with theory, never with older output.
+
+    check.py CASE SELKIE [ARGUMENT]
+
+CASE is a function of this file. Prints every figure with its bound; exit code
+1 if one is beyond it. Writes into a temporary folder.
+"""
+import csv
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+BENCHMARKS = HERE.parents[1] / "prm" / "benchmarks"
+DATA = HERE.parents[1] / "doc" / "data"
+failures = 0
+
+
+def check(what, value, bound):
+    """|value| must not exceed bound (and NaN does)."""
+    global failures
+    good = abs(value) <= bound
+    failures += not good
+    print(f"{'ok    ' if good else 'FAILED'} {what}: {value:.3e} (bound {bound:.1e})")
+
+
+def run(selkie, scene, folder, settings=(), ranks=0, picture=False):
+    """Runs the scene; returns its statistics."""
+    command = [selkie, str(scene), "--output", str(folder)]
+    for setting in (*settings, *([] if picture else ["Output/Interval=0"])):
+        command += ["--set", setting]
+    if ranks:
+        command = [os.environ.get("SELKIE_MPIEXEC", "mpirun"), "--oversubscribe",
+                   "--bind-to", "none", "-np", str(ranks)] + command
+    result = subprocess.run(command, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True)
+    if result.returncode != 0:
+        print(" ".join(command))
+        print("\n".join(result.stdout.splitlines()[-12:]))
+        sys.exit(f"FAILED the run ends with exit code {result.returncode}")
+    return table(pathlib.Path(folder) / "statistics.csv")
+
+
+def table(path):
+    """A CSV file as columns, named without their units."""
+    with open(path, newline="") as file:
+        head, *rows = list(csv.reader(file))
+    return {name.split(" (")[0]: [float(row[i]) for row in rows]
+            for i, name in enumerate(head)}
+
+
+def worst(values, expected):
+    """The largest deviation of a curve from a number."""
+    return max(abs(value - expected) for value in values)
+
+
+def times(P, Q):
+    return [[sum(P[i][k] * Q[k][j] for k in (0, 1)) for j in (0, 1)] for i in (0, 1)]
+
+
+def determinant(F):
+    return F[0][0] * F[1][1] - F[0][1] * F[1][0]
+
+
+def lattice(low, high, n):
+    """n points in the middles of equal intervals."""
+    return [low + (high - low) * (i + 0.5) / n for i in range(n)]
+
+
+A = [[0.5, 0.8], [-0.3, -0.2]]  # of the affine scenes
+
+
+def rigid_translation(selkie, folder):
+    """Momentum and kinetic energy stay, the displacement is v t."""
+    v, mass = (3.7, 2.1), 250.
+    s = run(selkie, HERE / "rigid_translation.prm", folder)
+    check("momentum x", worst(s["momentum x"], mass * v[0]) / (mass * v[0]), 1e-10)
+    check("momentum y", worst(s["momentum y"], mass * v[1]) / (mass * v[1]), 1e-10)
+    energy = 0.5 * mass * (v[0]**2 + v[1]**2)
+    check("kinetic energy", worst(s["kinetic energy"], energy) / energy, 1e-10)
+    check("smallest J", worst(s["min J"], 1), 1e-10)
+    check("largest J", worst(s["max J"], 1), 1e-10)
+    p = table(folder / "probes" / "corner.csv")
+    for d, axis in enumerate("xy"):
+        check("displacement " + axis,
+              max(abs(u - v[d] * t) for u, t in zip(p["displacement " + axis], p["time"]))
+              / (v[d] * p["time"][-1]), 1e-10)
+        check("velocity " + axis, worst(p["velocity " + axis], v[d]) / v[d], 1e-10)
+
+
+def at_rest(selkie, folder):
+    """Nothing moves for 20 steps; then momentum = force x time.
+
+    The traction at the new end of a step acts through Newmark's average
+    acceleration: half of it counts in the step in which it appears.
+    """
+    s = run(selkie, HERE / "at_rest.prm", folder)
+    force, dt = 500., 1e-3
+    check("momentum x while at rest", worst(s["momentum x"][:20], 0), 1e-12)
+    exact = [force * dt * (n + 0.5) for n in range(20)]
+    check("momentum x under the traction",
+          max(abs(a - b) for a, b in zip(s["momentum x"][20:], exact)) / exact[-1], 1e-6)
+    check("momentum y", worst(s["momentum y"], 0) / exact[-1], 1e-10)
+
+
+def affine_prescribed(selkie, folder):
+    """x = (I + dt A)^n X, its J and its energy."""
+    s = run(selkie, HERE / "affine_prescribed.prm", folder)
+    p = table(folder / "probes" / "corner.csv")
+    dt, area = 0.02, 0.95 * 0.95
+    E, nu = 1e6, 0.3
+    G, Lambda = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    X = [p["position x"][0], p["position y"][0]]
+    step = [[1 + dt * A[0][0], dt * A[0][1]], [dt * A[1][0], 1 + dt * A[1][1]]]
+    F = [[1, 0], [0, 1]]
+    error = dict.fromkeys(("place", "min J", "max J", "volume", "strain energy"), 0.)
+    for n in range(len(s["time"])):
+        F = times(step, F)
+        J = determinant(F)
+        trace = sum(f * f for row in F for f in row) + 1
+        W = 0.5 * G * (trace - 3) - G * math.log(J) \
+            + Lambda / 4 * (J * J - 1 - 2 * math.log(J))
+        for d, axis in enumerate("xy"):
+            x = F[d][0] * X[0] + F[d][1] * X[1]
+            error["place"] = max(error["place"], abs(p["position " + axis][n + 1] - x))
+        for name, value in (("min J", J), ("max J", J), ("volume", J * area),
+                            ("strain energy", W * area)):
+            error[name] = max(error[name], abs(s[name][n] / value - 1))
+    for name, value in error.items():
+        check(name, value, 1e-10)
+
+
+def affine_flight(selkie, folder, variant):
+    """x = (I + t A) X, v = A X: energy and both momenta are constant.
+
+    The consistent mass is combined with the lumped recovery of velocities: the
+    points keep their velocity, but do not follow it exactly.
+    """
+    settings = {"tpic": (), "consistent": ("Transfer/Scheme=flip", "Inertia/Mass=consistent")}
+    s = run(selkie, HERE / "affine_flight.prm", folder, settings[variant])
+    p = table(folder / "probes" / "corner.csv")
+    X = [p["position x"][0], p["position y"][0]]
+    points = [(x, y) for x in lattice(-0.5, 0.5, 16) for y in lattice(-0.375, 0.5, 14)]
+    m = 1000 * 0.875 / len(points)
+    V = [(A[0][0] * x + A[0][1] * y, A[1][0] * x + A[1][1] * y) for x, y in points]
+    exact = {"kinetic energy": 0.5 * m * sum(u * u + v * v for u, v in V),
+             "momentum x": m * sum(u for u, v in V),
+             "momentum y": m * sum(v for u, v in V),
+             "angular momentum z": m * sum(x * v - y * u
+                                           for (x, y), (u, v) in zip(points, V))}
+    for name, value in exact.items():
+        if variant == "tpic" or name != "angular momentum z":
+            check(name, worst(s[name], value) / abs(value), 1e-10)
+    if variant == "consistent":
+        return
+    for name in ("min J", "max J"):
+        check(name, max(abs(J / determinant([[1 + t * A[0][0], t * A[0][1]],
+                                             [t * A[1][0], 1 + t * A[1][1]]]) - 1)
+                        for J, t in zip(s[name], s["time"])), 1e-10)
+    for d, axis in enumerate("xy"):
+        u = A[d][0] * X[0] + A[d][1] * X[1]
+        check("displacement " + axis,
+              max(abs(value - t * u)
+                  for value, t in zip(p["displacement " + axis], p["time"])), 1e-10)
+
+
+def spinning_plate(selkie, folder):
+    """Linear momentum stays zero; the angular momentum drifts within bounds."""
+    s = run(selkie, HERE / "spinning_plate.prm", folder)
+    omega, mass = 5., 500.
+    radii = [x * x + y * y for x in lattice(-0.5, 0.5, 32) for y in lattice(-0.25, 0.25, 16)]
+    m = mass / len(radii)
+    scale = m * omega * sum(math.sqrt(r) for r in radii)
+    spin = m * omega * sum(radii)
+    for axis in "xy":
+        check(f"momentum {axis} over sum |m v|", worst(s["momentum " + axis], 0) / scale, 1e-12)
+    drift = [value / spin - 1 for value in s["angular momentum z"]]
+    check("angular momentum, drift in one turn", max(drift, key=abs), 0.08)
+    check("min J - 1", worst(s["min J"], 1), 5e-3)
+    check("max J - 1", worst(s["max J"], 1), 5e-3)
+
+
+def bar(selkie, folder, cells, scene="vibrating_bar.prm", v0=1e-3, end=20, picture=False):
+    """Period error, velocity error and energy drift of the vibrating bar."""
+    h = 25 / cells
+    s = run(selkie, BENCHMARKS / scene, folder,
+            (f"Domain/Upper corner={25 + 3 * h!r}, {h!r}", f"Domain/Cells={cells + 3}, 1",
+             f"Bodies/bar/Shape=box(0, 0, 25, {h!r})",
+             f"Bodies/bar/Initial velocity={v0}*sin(pi*x/50); 0",
+             f"Probes/tip/Shape=box({25 - h!r}, 0, 25, {h!r})",
+             f"Time/Step={1.28 / cells!r}", f"Time/End time={end}"))
+    t, v = s["time"], [p / m for p, m in zip(s["momentum x"], s["mass"])]
+    zeros = [t[i] + (t[i + 1] - t[i]) * v[i] / (v[i] - v[i + 1])
+             for i in range(len(v) - 1) if v[i] * v[i + 1] < 0]
+    period = 2 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
+    amplitude, omega = 2 * v0 / math.pi, 2 * math.pi / 10
+    rms = math.sqrt(sum((a - amplitude * math.cos(omega * b))**2
+                        for a, b in zip(v, t)) / len(t)) / amplitude
+    start = 0.25 * v0**2 * 25 * h  # rho A v0^2 L / 4
+    drift = max((k + e) / start - 1 for k, e in zip(s["kinetic energy"], s["strain energy"]))
+    lost = min((k + e) / start - 1 for k, e in zip(s["kinetic energy"], s["strain energy"]))
+    return period / 10 - 1, rms, max(drift, lost, key=abs)
+
+
+def vibrating_bar(selkie, folder):
+    """Second order in the period and in the velocity; energy within 1 %."""
+    coarse = bar(selkie, folder / "8", 8)
+    fine = bar(selkie, folder / "16", 16)
+    for name, a, b in zip(("period", "velocity of the centre (rms)"), coarse, fine):
+        print(f"       {name}: error {a:.3e} at 8 cells, {b:.3e} at 16 cells")
+        check(name + ", order below 2", max(0, 2 - math.log2(a / b)), 0.2)
+    check("period at 8 cells", coarse[0], 0.01)
+    check("energy drift at 8 cells", coarse[2], 0.01)
+    check("energy drift at 16 cells", fine[2], 0.01)
+
+
+def vibrating_bar_full(selkie, folder):
+    """The shipped scene: ten periods with 32 cells; then the order."""
+    error = bar(selkie, folder / "full", 32, v0=0.1, end=100)
+    check("period", error[0], 0.01)
+    check("energy drift", error[2], 0.01)
+    previous = None
+    for cells in (8, 16, 32, 64):
+        error = bar(selkie, folder / str(cells), cells)
+        order = [math.log2(a / b) for a, b in zip(previous[:2], error[:2])] \
+            if previous else [math.nan] * 2
+        print(f"       {cells} cells: period {error[0]:.3e} (order {order[0]:.2f}), "
+              f"velocity {error[1]:.3e} (order {order[1]:.2f}), energy {error[2]:.3e}")
+        previous = error
+
+
+def cantilever(selkie, folder, cells="8"):
+    """The deflection of the authors' code, which runs half a step late."""
+    settings = ["Time/End time=0.54"]
+    if cells == "16":
+        settings += ["Domain/Cells=80, 56", "Probes/tip/Shape=box(3.9375, 0, 4, 1)"]
+    run(selkie, BENCHMARKS / "cantilever.prm", folder, settings)
+    tip = table(folder / "probes" / "tip.csv")["displacement y"]
+    expected = {"8": -0.717, "16": -0.726}[cells]
+    check(f"largest deflection {min(tip):.4f} m against {expected} m",
+          min(tip) / expected - 1, 0.01)
+    theirs = table(DATA / f"nlps_beam_h{cells}.csv")["tip_uy"]
+    check("curve, of the largest deflection",
+          max(abs(0.5 * (tip[n] + tip[n + 1]) - theirs[n]) for n in range(len(tip) - 1))
+          / -expected, 0.01)
+
+
+def scales(s):
+    """What a difference in each column is measured by."""
+    energies = [name for name in s if "energy" in name and "balance" not in name]
+    volume = max(s["volume"])
+    dimension = 3 if "momentum z" in s else 2
+    length = max([volume**(1 / dimension)]
+                 + [abs(x) for d in "xyz" for x in s.get("center of mass " + d, ())])
+    energy = max(sum(abs(s[name][i]) for name in energies) for i in range(len(s["time"])))
+    momentum = math.sqrt(2 * max(s["mass"]) * energy)
+    result = {}
+    for name, values in s.items():
+        if "energy" in name or name == "external work":
+            result[name] = energy
+        elif name.startswith("center of mass"):
+            result[name] = length
+        elif name.startswith("momentum"):
+            result[name] = momentum
+        elif name.startswith("angular momentum"):
+            result[name] = momentum * length
+        else:
+            result[name] = max(abs(value) for value in values) or 1.
+    return result
+
+
+def ranks(selkie, folder, what):
+    """SCENE:STEPS[:SETTING]: 1, 2 and 3 ranks write the same statistics."""
+    scene, steps, *settings = what.split(":")
+    path = BENCHMARKS / (scene + ".prm")
+    lines = path.read_text().splitlines()
+    lines = lines[lines.index("subsection Time"):]
+    step = next(float(line.split("=")[1].split("#")[0]) for line in lines
+                if line.strip().startswith("set Step "))
+    settings.append(f"Time/End time={int(steps) * step!r}")
+    one = run(selkie, path, folder / "1", settings, 1)
+    by = scales(one)
+    # The work of the linear solver may depend on the partition.
+    names = [name for name in one if name != "linear iterations"]
+    for n in (2, 3):
+        other = run(selkie, path, folder / str(n), settings, n)
+        if len(other["time"]) != len(one["time"]):
+            check(f"{n} ranks: rows", len(other["time"]) - len(one["time"]), 0)
+            continue
+        error = {name: max(abs(a - b) for a, b in zip(one[name], other[name])) / by[name]
+                 for name in names}
+        name = max(error, key=error.get)
+        check(f"{scene}, {len(one['time'])} steps, {n} ranks: most in '{name}'",
+              error[name], 1e-8)
+
+
+def main():
+    if len(sys.argv) < 3 or sys.argv[1] not in globals():
+        sys.exit(__doc__)
+    with tempfile.TemporaryDirectory(prefix="selkie-scene-") as folder:
+        globals()[sys.argv[1]](sys.argv[2], pathlib.Path(folder), *sys.argv[3:])
+    sys.exit(1 if failures else 0)
+
+
+main()
