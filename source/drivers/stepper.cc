@@ -118,14 +118,26 @@ namespace selkie
     const double g   = scene.gravity ? scene.gravity->norm() : 0.;
     double       sum = 0.;
     for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
-      if (!unknowns.held(i))
-        {
-          const double M = fields.mass.local_element(i);
-          sum += std::pow(M * g, 2) +
-                 std::pow(M * newmark.alpha1 * fields.x.local_element(i), 2) +
-                 std::pow(M * newmark.alpha2 * fields.v_n.local_element(i), 2);
-        }
-    return std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
+      {
+        const double M = fields.mass.local_element(i);
+        sum += std::pow(M * g, 2) +
+               std::pow(M * newmark.alpha1 * fields.x.local_element(i), 2) +
+               std::pow(M * newmark.alpha2 * fields.v_n.local_element(i), 2);
+      }
+    const double forces =
+      std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
+
+    // Round-off of strains of order 1 is the least that can be asked for.
+    double stiffness = 0.;
+    for (const auto &body : scene.bodies)
+      stiffness =
+        std::max(stiffness,
+                 body.law->density() * std::pow(body.law->sound_speed(), 2));
+    const double round_off = std::numeric_limits<double>::epsilon() *
+                             stiffness *
+                             std::pow(cloud.smallest_spacing(), dim - 1) *
+                             std::sqrt(double(unknowns.n_global()));
+    return std::max(forces, round_off / scene.newton.tolerance);
   }
 
   namespace
@@ -303,23 +315,29 @@ namespace selkie
       return;
     const StepTime time{t, newmark(dt)};
     build_supports(t, dt);
+    // The residual of the state at t_n itself: fields for which Newmark's
+    // formulas at du = 0 give no acceleration and the velocity v_n.
+    const Newmark &n         = time.newmark;
+    const double   a_per_v   = n.alpha3 != 0. ? -n.alpha2 / n.alpha3 : 0.;
+    const double   v_divisor = n.alpha5 + n.alpha6 * a_per_v;
     for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
-      fields.x.local_element(i) = 0.;
-    fields.x.update_ghost_values();
-    Vector residual;
+      {
+        const double v              = fields.v_n.local_element(i);
+        fields.x.local_element(i)   = 0.;
+        fields.v_n.local_element(i) = n.alpha3 != 0. ? v / v_divisor : 0.;
+        fields.a_n.local_element(i) =
+          n.alpha3 != 0. ? a_per_v * fields.v_n.local_element(i) : v / n.alpha6;
+      }
+    for (auto *vector : {&fields.x, &fields.v_n, &fields.a_n})
+      vector->update_ghost_values();
+    Vector residual, a_0;
     unknowns.initialize(residual);
-    assembler.assemble(table, time, fields, 1., false, residual);
-
-    // R = M a(du = 0) + forces, and the start acceleration is -forces / M.
-    Vector a_0;
     unknowns.initialize(a_0);
+    assembler.assemble(table, time, fields, 1., false, residual);
     for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
       if (!unknowns.held(i))
         a_0.local_element(i) =
-          time.newmark.acceleration(0.,
-                                    fields.v_n.local_element(i),
-                                    fields.a_n.local_element(i)) -
-          residual.local_element(i) / fields.mass.local_element(i);
+          -residual.local_element(i) / fields.mass.local_element(i);
     a_0.update_ghost_values();
     set_accelerations(particles, table, unknowns, a_0);
   }

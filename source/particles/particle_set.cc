@@ -82,6 +82,31 @@ namespace selkie
   ParticleSet<dim>::~ParticleSet() = default;
 
 
+  namespace
+  {
+    /// Central differences with step @p h (m): exact for quadratic fields.
+    template <int dim>
+    dealii::Tensor<2, dim>
+    gradient(const VectorExpression<dim> &field,
+             const dealii::Point<dim>    &x,
+             const double                 h)
+    {
+      dealii::Tensor<2, dim> result;
+      for (unsigned int j = 0; j < dim; ++j)
+        {
+          dealii::Point<dim> ahead = x, behind = x;
+          ahead[j] += h;
+          behind[j] -= h;
+          const auto difference =
+            field.value(ahead, 0., ahead) - field.value(behind, 0., behind);
+          for (unsigned int i = 0; i < dim; ++i)
+            result[i][j] = difference[i] / (2. * h);
+        }
+      return result;
+    }
+  } // namespace
+
+
   template <int dim>
   void
   ParticleSet<dim>::fill_properties(
@@ -98,6 +123,11 @@ namespace selkie
     if (columns.v.exists() && body.initial_velocity)
       columns.v.set(properties,
                     body.initial_velocity->value(seed.x, 0., seed.x));
+    if (columns.grad_v.exists() && body.initial_velocity)
+      columns.grad_v.set(properties,
+                         gradient(*body.initial_velocity,
+                                  seed.x,
+                                  0.1 * std::pow(seed.volume, 1. / dim)));
     if (columns.F.exists())
       columns.F.set(properties, dealii::unit_symmetric_tensor<dim>());
     if (columns.J.exists())
