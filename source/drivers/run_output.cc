@@ -134,11 +134,12 @@ namespace selkie
     statistics.set("max lambda iterations", report.max_lambda_iterations);
     statistics.set("step cuts", time.cuts());
     set_columns(present, particles, statistics);
-    statistics.set("dissipated energy (J)", dissipated);
-    statistics.set("external work (J)", external_work);
+    const std::string unit = dim == 2 ? " (J/m)" : " (J)";
+    statistics.set("dissipated energy" + unit, dissipated);
+    statistics.set("external work" + unit, external_work);
     if (scene.has_fluid())
-      statistics.set("energy of J reset (J)", reset_energy);
-    statistics.set("energy balance (J)",
+      statistics.set("energy of J reset" + unit, reset_energy);
+    statistics.set("energy balance" + unit,
                    present.energy() + dissipated - external_work -
                      initial_energy);
     statistics.set("points removed", particles.accounting.removed);

@@ -104,6 +104,26 @@ namespace selkie
         }
       return result;
     }
+
+    /// The part of a loaded face (m^2; m in 2D) that a point carries: that of
+    /// its lattice cell if the point is of the layer next to the face.
+    template <int dim>
+    double
+    traction_area(const Scene<dim> &scene, const Seed<dim> &seed)
+    {
+      const double spacing = std::pow(seed.volume, 1. / dim);
+      for (const auto &traction : scene.tractions)
+        if (traction.body == seed.body)
+          {
+            const auto box = scene.bodies[seed.body].shape->bounding_box();
+            const unsigned int d = traction.face / 2;
+            const double       plane =
+              traction.face % 2 == 0 ? box.lower_bound(d) : box.upper_bound(d);
+            if (std::abs(seed.x[d] - plane) < spacing)
+              return seed.volume / spacing;
+          }
+      return 0.;
+    }
   } // namespace
 
 
@@ -128,6 +148,8 @@ namespace selkie
                          gradient(*body.initial_velocity,
                                   seed.x,
                                   0.1 * std::pow(seed.volume, 1. / dim)));
+    if (columns.traction_area.exists())
+      columns.traction_area.set(properties, traction_area(scene, seed));
     if (columns.F.exists())
       columns.F.set(properties, dealii::unit_symmetric_tensor<dim>());
     if (columns.J.exists())

@@ -88,6 +88,12 @@ namespace selkie
           const std::string path = "Tractions/" + traction.name + "/";
           if (!traction.value)
             fail(scene, path + "Value", "the load needs a function");
+          for (const auto &other : scene.tractions)
+            if (&other != &traction && other.body == traction.body)
+              fail(scene,
+                   path + "Body",
+                   "a body takes one traction; '" + other.name +
+                     "' acts on the same body");
           const Body<dim> &body = scene.bodies[traction.body];
           if (body.phase == 0)
             fail(scene,
