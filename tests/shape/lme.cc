@@ -1,4 +1,4 @@
-// LME shape functions: what the theory promises (doc/theory-lme.md), in the
+// LME shape functions: what the theory promises (doc/theory.md), in the
 // interior, at walls, edges and corners, on graded nodes, and outside.
 #include <selkie/shape/lme.h>
 

@@ -9,7 +9,7 @@
  * @file
  * Isotropic hyperelasticity in spatial form. A law supplies eleven scalars;
  * stress and tangent are written here once for all of them. Theory:
- * doc/theory-laws.md, section 2; the paper's (B16)-(B17).
+ * doc/theory.md, section 2; the paper's (B16)-(B17).
  */
 namespace selkie
 {

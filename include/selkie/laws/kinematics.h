@@ -10,7 +10,7 @@
 /**
  * @file
  * Kinematics at one point, in 3x3 tensors throughout: a plane-strain problem
- * is a 3D one with F_33 = 1. Theory: doc/theory-laws.md, section 1.
+ * is a 3D one with F_33 = 1. Theory: doc/theory.md, section 1.
  */
 namespace selkie
 {

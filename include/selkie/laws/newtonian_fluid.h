@@ -7,7 +7,7 @@
  * @file
  * The weakly compressible Newtonian fluid and the component-free forms that
  * every fluid with a shear viscosity shares: tau = -J p I + 2 mu J dev(sym l).
- * Theory: doc/theory-laws.md, section 3; the paper's Lemmas 2-6.
+ * Theory: doc/theory.md, section 3; the paper's Lemmas 2-6.
  */
 namespace selkie
 {

@@ -17,7 +17,7 @@
  *   N_a(x) = exp(-beta_a |d_a|^2 + lambda . d_a) / Z,
  *
  * where lambda(x) is such that sum_a N_a d_a = 0. Equation numbers (L1), (L2)
- * ... in this folder are those of doc/theory-lme.md.
+ * ... in this folder are those of doc/theory.md.
  */
 namespace selkie
 {

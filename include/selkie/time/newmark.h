@@ -3,7 +3,7 @@
 namespace selkie
 {
   /// Coefficients and vector updates of Newmark's method; it knows nothing of
-  /// the equation solved. Equations (L.23)-(L.25) of doc/theory-laws.md.
+  /// the equation solved. Equations (L.23)-(L.25) of doc/theory.md.
   struct Newmark
   {
     const double beta, gamma; ///< no units
