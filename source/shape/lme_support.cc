@@ -97,11 +97,16 @@ namespace selkie
 
     template <int dim>
     bool
-    is_full(const NodeCloud<dim> &cloud,
-            const Occupancy<dim> &occupancy,
-            const Patch<dim>     &patch)
+    is_full(const NodeCloud<dim>    &cloud,
+            const Occupancy<dim>    &occupancy,
+            const SupportTable<dim> &table,
+            const Patch<dim>        &patch)
     {
       if (!patch.fluid || occupancy.enclosed.empty())
+        return false;
+      // Beside hanging nodes the sums over Gauss points and over material
+      // points differ too much.
+      if (!cloud.equally_spaced(&table.nodes[patch.first_node], patch.n_nodes))
         return false;
       const auto corners = cloud.corners(patch.cell);
       return std::all_of(corners.begin(), corners.end(), [&](const auto node) {
@@ -152,11 +157,11 @@ namespace selkie
             patch.fluid       = in_cell[first].law->phase() == Phase::fluid;
             patch.first_point = table.points.size();
             patch.n_points    = last - first;
-            patch.integration = !is_full(cloud, occupancy, patch);
             table.points.insert(table.points.end(),
                                 in_cell.begin() + first,
                                 in_cell.begin() + last);
             append_nodes(cloud, occupancy, patch, table);
+            patch.integration = !is_full(cloud, occupancy, table, patch);
             evaluate_patch(cloud, patch, table);
             table.patches.push_back(patch);
           }

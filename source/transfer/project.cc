@@ -167,8 +167,11 @@ namespace selkie
       theta.local_element(node) /= cloud.volume(node);
     theta.update_ghost_values();
 
+    // Beside hanging nodes the node's share of its cells is not the volume
+    // that LME functions give it: no correction there.
     for (const auto &patch : table.patches)
-      if (patch.fluid)
+      if (patch.fluid &&
+          cloud.equally_spaced(&table.nodes[patch.first_node], patch.n_nodes))
         for (unsigned int q = 0; q < patch.n_points; ++q)
           {
             const double *N       = table.N(patch, q);
