@@ -248,10 +248,10 @@ namespace selkie
       collect(time, residual, report);
     }
     TimerTree::Scope scope(timers, "update");
-    if (scene.has_fluid())
-      store_pressure(unknowns, fields, stored_pressure);
     report.reset_energy =
       advance(particles, table, unknowns, time.newmark, fields).reset_energy;
+    if (scene.has_fluid())
+      store_pressure(unknowns, fields, stored_pressure);
     return report;
   }
 

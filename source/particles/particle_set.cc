@@ -257,10 +257,8 @@ namespace selkie
 
   template <int dim>
   void
-  ParticleSet<dim>::move(
-    const std::vector<dealii::Tensor<1, dim>> &displacements)
+  ParticleSet<dim>::check(const Motion &motion) const
   {
-    const Motion motion = plan(displacements);
     throw_on_all_ranks<NumericalFailure>(
       communicator(),
       motion.not_finite.empty()
@@ -272,6 +270,25 @@ namespace selkie
         motion.first.empty()
           ? ""
           : "A point leaves the domain: the " + motion.first + ".");
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::check_move(
+    const std::vector<dealii::Tensor<1, dim>> &displacements) const
+  {
+    check(plan(displacements));
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::move(
+    const std::vector<dealii::Tensor<1, dim>> &displacements)
+  {
+    const Motion motion = plan(displacements);
+    check(motion);
 
     auto position = motion.positions.begin();
     for (auto &point : points)

@@ -1,3 +1,4 @@
+#include <selkie/base/collective_error.h>
 #include <selkie/laws/newtonian_fluid.h>
 #include <selkie/transfer/transfer.h>
 
@@ -15,7 +16,7 @@ namespace selkie
     {
       Tensor<1, dim> du, dv, v, a;
       Tensor<2, dim> grad_du, grad_v;
-      double         p = 0;
+      double         p = 0, J = 1; ///< fluids
     };
 
     template <int dim>
@@ -57,6 +58,78 @@ namespace selkie
 
     /// grad v of a fluid point nearly alone in its cell is noise: zero.
     constexpr unsigned int lone_points = 3;
+
+    /// The end values of all material points, in iteration order. Throws
+    /// NumericalFailure, on every rank, before anything is written: a pressure
+    /// that the fluid cannot have.
+    template <int dim>
+    std::vector<Interpolated<dim>>
+    end_values(const SupportTable<dim> &table,
+               const System<dim>       &system,
+               const Newmark           &newmark,
+               const StepFields        &fields,
+               const MPI_Comm           comm)
+    {
+      std::vector<Interpolated<dim>> values(table.n_particles);
+      std::string                    failure;
+      for (const auto &patch : table.patches)
+        if (patch.matter)
+          for (unsigned int q = 0; q < patch.n_points; ++q)
+            {
+              const auto &point = table.points[patch.first_point + q];
+              auto       &at    = values[point.particle];
+              at = interpolate(table, patch, q, system, newmark, fields);
+              if (patch.fluid)
+                try
+                  {
+                    at.J = static_cast<const FluidLaw &>(*point.law)
+                             .J_of_pressure(at.p);
+                  }
+                catch (const NumericalFailure &error)
+                  {
+                    failure = error.what();
+                  }
+            }
+      throw_on_all_ranks<NumericalFailure>(comm, failure);
+      return values;
+    }
+
+    /// Writes a point's new state, all but its position.
+    template <int dim>
+    void
+    write_point(const ParticleColumns<dim> &columns,
+                const StepPoint<dim>       &point,
+                const Interpolated<dim>    &at,
+                const bool                  fluid,
+                const bool                  alone,
+                const double                flip,
+                const ArrayView<double>    &mine)
+    {
+      const Tensor<2, dim> f = unit_symmetric_tensor<dim>() + at.grad_du;
+      columns.lambda.set(mine, point.lambda);
+      if (columns.v.exists())
+        {
+          if (columns.grad_v.exists())
+            {
+              columns.v.set(mine, at.v);
+              columns.grad_v.set(mine,
+                                 alone ? Tensor<2, dim>()
+                                       : at.grad_v * invert(f));
+            }
+          else
+            columns.v.set(mine,
+                          flip * (columns.v(mine) + at.dv) +
+                            (1. - flip) * at.v);
+          columns.a.set(mine, at.a);
+        }
+      if (fluid)
+        {
+          columns.J.set(mine, at.J);
+          columns.pressure.set(mine, at.p);
+        }
+      else
+        columns.F.set(mine, f * point.F_n);
+    }
   } // namespace
 
   template <int dim>
@@ -67,62 +140,45 @@ namespace selkie
           const Newmark           &newmark,
           const StepFields        &fields)
   {
-    const auto   &columns = particles.columns;
-    const double  flip    = particles.scene.transfer.flip_fraction;
-    AdvanceReport report;
+    const MPI_Comm comm   = particles.communicator();
+    const auto     values = end_values(table, system, newmark, fields, comm);
+    std::vector<Tensor<1, dim>> displacements;
+    displacements.reserve(values.size());
+    for (const auto &at : values)
+      displacements.push_back(at.du);
+    particles.check_move(displacements); // from here on nothing fails
 
     std::vector<ArrayView<double>> properties;
     properties.reserve(table.n_particles);
     for (auto &particle : particles.handler())
       properties.push_back(particle.get_properties());
-    std::vector<Tensor<1, dim>> displacements(table.n_particles);
 
+    AdvanceReport report;
     for (const auto &patch : table.patches)
       if (patch.matter)
         for (unsigned int q = 0; q < patch.n_points; ++q)
           {
             const auto &point = table.points[patch.first_point + q];
-            const auto  mine  = properties[point.particle];
-            const auto  at =
-              interpolate(table, patch, q, system, newmark, fields);
-            const Tensor<2, dim> f = unit_symmetric_tensor<dim>() + at.grad_du;
-
-            displacements[point.particle] = at.du;
-            columns.lambda.set(mine, point.lambda);
-            if (columns.v.exists())
+            const auto &at    = values[point.particle];
+            write_point(particles.columns,
+                        point,
+                        at,
+                        patch.fluid,
+                        patch.fluid && patch.n_points < lone_points,
+                        particles.scene.transfer.flip_fraction,
+                        properties[point.particle]);
+            // In full cells the Gauss points hold the energy.
+            if (patch.fluid && patch.integration)
               {
-                const Tensor<1, dim> v_n = columns.v(mine);
-                if (columns.grad_v.exists())
-                  {
-                    const bool alone =
-                      patch.fluid && patch.n_points < lone_points;
-                    columns.v.set(mine, at.v);
-                    columns.grad_v.set(mine,
-                                       alone ? Tensor<2, dim>()
-                                             : at.grad_v * invert(f));
-                  }
-                else
-                  columns.v.set(mine,
-                                flip * (v_n + at.dv) + (1. - flip) * at.v);
-                columns.a.set(mine, at.a);
+                const auto  &law = static_cast<const FluidLaw &>(*point.law);
+                const double moved =
+                  point.J_n * determinant(Tensor<2, dim>(
+                                unit_symmetric_tensor<dim>() + at.grad_du));
+                report.reset_energy +=
+                  point.volume * (law.energy(at.J) - law.energy(moved));
               }
-            if (patch.fluid)
-              {
-                const auto  &law   = static_cast<const FluidLaw &>(*point.law);
-                const double moved = point.J_n * determinant(f);
-                const double reset = law.J_of_pressure(at.p);
-                // In full cells the Gauss points hold the energy.
-                if (patch.integration)
-                  report.reset_energy +=
-                    point.volume * (law.energy(reset) - law.energy(moved));
-                columns.J.set(mine, reset);
-                columns.pressure.set(mine, at.p);
-              }
-            else
-              columns.F.set(mine, f * point.F_n);
           }
-    report.reset_energy =
-      Utilities::MPI::sum(report.reset_energy, particles.communicator());
+    report.reset_energy = Utilities::MPI::sum(report.reset_energy, comm);
     particles.move(displacements);
     return report;
   }

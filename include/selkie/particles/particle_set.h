@@ -84,6 +84,12 @@ namespace selkie
     void
     rebalance();
 
+    /// Throws NumericalFailure, on every rank, when move() would have to: a
+    /// displacement is not finite, or a point leaves and the policy is `stop`.
+    /// Changes nothing. Collective.
+    void
+    check_move(const std::vector<dealii::Tensor<1, dim>> &displacements) const;
+
     /**
      * Moves every locally owned point by its displacement (m), in the order
      * in which the handler iterates at the call, applies the leaving policy,
@@ -131,6 +137,8 @@ namespace selkie
                     const dealii::ArrayView<double> &properties) const;
     Motion
     plan(const std::vector<dealii::Tensor<1, dim>> &displacements) const;
+    void
+    check(const Motion &motion) const;
     void
     remove(const std::vector<Iterator> &points);
     void
