@@ -1,3 +1,4 @@
+#include <selkie/terms/dead_load.h>
 #include <selkie/terms/term_table.h>
 
 namespace selkie
@@ -6,10 +7,9 @@ namespace selkie
 
   namespace
   {
-    /// R_a = -sum_p m N_a b(X, x, t). The force is a dead load: it is taken at
-    /// the position at t_n and at the time t_{n+1}, so it has no tangent.
+    /// R_a = -sum_p m N_a b(X, x, t). A dead load.
     template <int dim>
-    class BodyForceTerm : public Term<dim>
+    class BodyForceTerm : public DeadLoad<dim>
     {
     public:
       explicit BodyForceTerm(std::shared_ptr<VectorExpression<dim>> force)
@@ -22,39 +22,9 @@ namespace selkie
         return "body force";
       }
 
-      TermNeeds
-      needs() const override
-      {
-        TermNeeds needs;
-        needs.increment = true;
-        return needs;
-      }
-
-      bool
-      acts_on(const Patch<dim> &patch) const override
-      {
-        return patch.matter;
-      }
-
-      void
-      add(PatchState<dim> &state, const bool) const override
-      {
-        for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          state.forms[q].source -= load(state, q);
-      }
-
-      double
-      external_work(const PatchState<dim> &state) const override
-      {
-        double work = 0.;
-        for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          work += load(state, q) * state.increment[q];
-        return work;
-      }
-
     private:
       Tensor<1, dim>
-      load(const PatchState<dim> &state, const unsigned int q) const
+      load(const PatchState<dim> &state, const unsigned int q) const override
       {
         const StepPoint<dim> &point = state.point(q);
         return point.mass * force->value(point.x, state.time->t(), point.X);

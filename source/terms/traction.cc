@@ -1,3 +1,4 @@
+#include <selkie/terms/dead_load.h>
 #include <selkie/terms/term_table.h>
 
 namespace selkie
@@ -9,7 +10,7 @@ namespace selkie
     /// R_a = -sum_p A_p N_a t(X, x, t) over the outermost points of a face; A_p
     /// is the face's reference area that a point carries (a dead load).
     template <int dim>
-    class TractionTerm : public Term<dim>
+    class TractionTerm : public DeadLoad<dim>
     {
     public:
       explicit TractionTerm(const std::vector<Traction<dim>> &tractions)
@@ -22,39 +23,9 @@ namespace selkie
         return "traction";
       }
 
-      TermNeeds
-      needs() const override
-      {
-        TermNeeds needs;
-        needs.increment = true;
-        return needs;
-      }
-
-      bool
-      acts_on(const Patch<dim> &patch) const override
-      {
-        return patch.matter;
-      }
-
-      void
-      add(PatchState<dim> &state, const bool) const override
-      {
-        for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          state.forms[q].source -= load(state, q);
-      }
-
-      double
-      external_work(const PatchState<dim> &state) const override
-      {
-        double work = 0.;
-        for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          work += load(state, q) * state.increment[q];
-        return work;
-      }
-
     private:
       Tensor<1, dim>
-      load(const PatchState<dim> &state, const unsigned int q) const
+      load(const PatchState<dim> &state, const unsigned int q) const override
       {
         const StepPoint<dim> &point = state.point(q);
         Tensor<1, dim>        sum;
