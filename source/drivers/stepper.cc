@@ -109,6 +109,61 @@ namespace selkie
                           fields.a_n.local_element(i));
   }
 
+  namespace
+  {
+    /// Norms of the displacement and pressure parts, free unknowns only.
+    template <int dim>
+    std::array<double, 2>
+    norms(const System<dim> &system, const Vector &residual)
+    {
+      std::array<double, 2> sums{};
+      for (unsigned int i = 0; i < system.n_owned(); ++i)
+        if (!system.held(i))
+          sums[i < system.n_owned_displacements() ? 0 : 1] +=
+            residual.local_element(i) * residual.local_element(i);
+      for (double &sum : sums)
+        sum =
+          std::sqrt(Utilities::MPI::sum(sum, residual.get_mpi_communicator()));
+      return sums;
+    }
+  } // namespace
+
+  /// Newton starts from the predictor or, if that leaves a smaller residual,
+  /// from rest: an explicit step far beyond the sound CFL of a stiff body bends
+  /// it more than Newton can mend (water put on a steel plate).
+  template <int dim>
+  void
+  Stepper<dim>::choose_first_guess(const StepTime &time)
+  {
+    Vector residual;
+    unknowns.initialize(residual);
+    const auto error = [&] {
+      try
+        {
+          assembler.assemble(
+            table, time, fields, pressure_unit, false, residual);
+          return norms(unknowns, residual)[0];
+        }
+      catch (const InvertedPoint &)
+        {
+          return std::numeric_limits<double>::infinity();
+        }
+    };
+    const double predicted = error();
+    Vector       predictor;
+    unknowns.initialize(predictor);
+    predictor.copy_locally_owned_data_from(fields.x);
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      if (!unknowns.held(i))
+        fields.x.local_element(i) = 0.;
+    if (error() >= predicted)
+      {
+        fields.x.zero_out_ghost_values();
+        fields.x.copy_locally_owned_data_from(predictor);
+      }
+    fields.x.update_ghost_values();
+  }
+
   /// The size of the forces in play: weight and inertia of the nodes
   /// (formulation.md, section 5).
   template <int dim>
@@ -139,25 +194,6 @@ namespace selkie
                              std::sqrt(double(unknowns.n_global()));
     return std::max(forces, round_off / scene.newton.tolerance);
   }
-
-  namespace
-  {
-    /// Norms of the displacement and pressure parts, free unknowns only.
-    template <int dim>
-    std::array<double, 2>
-    norms(const System<dim> &system, const Vector &residual)
-    {
-      std::array<double, 2> sums{};
-      for (unsigned int i = 0; i < system.n_owned(); ++i)
-        if (!system.held(i))
-          sums[i < system.n_owned_displacements() ? 0 : 1] +=
-            residual.local_element(i) * residual.local_element(i);
-      for (double &sum : sums)
-        sum =
-          std::sqrt(Utilities::MPI::sum(sum, residual.get_mpi_communicator()));
-      return sums;
-    }
-  } // namespace
 
   template <int dim>
   NewtonProblem
@@ -242,6 +278,7 @@ namespace selkie
     StepReport<dim> report;
     {
       TimerTree::Scope scope(timers, "newton");
+      choose_first_guess(time);
       report.newton = newton(newton_problem(time), scene.newton, fields.x);
       assembler.assemble(table, time, fields, pressure_unit, false, residual);
       fields.x.update_ghost_values();

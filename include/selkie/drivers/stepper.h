@@ -97,6 +97,8 @@ namespace selkie
     traits(const Newmark &newmark) const;
     void
     set_predictor(const Newmark &newmark);
+    void
+    choose_first_guess(const StepTime &time);
     double
     residual_scale(const Newmark &newmark) const;
     void
