@@ -109,7 +109,7 @@ namespace selkie
           for (unsigned int d = 0; d < dim; ++d)
             state.acceleration[q][d] =
               dense.value(dense.acceleration.data() + d * dense.n_padded, N);
-        if (needs.increment && patch.matter)
+        if (needs.increment && (patch.matter || patch.surface))
           for (unsigned int d = 0; d < dim; ++d)
             state.increment[q][d] =
               dense.value(dense.du.data() + d * dense.n_padded, N);
@@ -172,7 +172,8 @@ namespace selkie
               term->add(state, with_tangent);
           dense.integrate_forces(state);
           scatter_residual(table, patch, residual);
-          if (with_tangent && (patch.integration || needs.acceleration))
+          if (with_tangent && !patch.surface &&
+              (patch.integration || needs.acceleration))
             {
               dense.integrate_block(state);
               scatter_tangent(table, patch, pressure_unit);

@@ -42,6 +42,21 @@ namespace selkie
     }
   } // namespace
 
+  namespace
+  {
+    template <int dim>
+    NodeMotion<dim>
+    node_motion(const Stepper<dim> &stepper)
+    {
+      NodeMotion<dim> nodes;
+      if (const auto *state = stepper.nodal_state())
+        nodes = {&stepper.system().cloud,
+                 &state->displacement,
+                 &state->velocity};
+      return nodes;
+    }
+  } // namespace
+
   template <int dim>
   RunOutput<dim>::RunOutput(const Scene<dim> &scene,
                             const MPI_Comm    comm,
@@ -84,7 +99,7 @@ namespace selkie
     initial_energy = present.energy();
     write_fields(0., 0, nullptr, scene.time.step);
     if (probes)
-      probes->record(0., WallForces<dim>());
+      probes->record(0., WallForces<dim>(), node_motion(stepper));
     start_wall = timers.wall_time();
   }
 
@@ -107,7 +122,9 @@ namespace selkie
     const double slack = 1e-6 * scene.time.step;
     if (probes && time.now() >= next_probes - slack)
       {
-        probes->record(time.now(), WallForces<dim>{report.wall_force});
+        probes->record(time.now(),
+                       WallForces<dim>{report.wall_force},
+                       node_motion(stepper));
         next_probes += scene.output.probe_interval;
       }
     if (scene.output.interval > 0. &&
@@ -169,7 +186,10 @@ namespace selkie
     mesh.scalars.emplace_back("mass", fields.mass);
     if (scene.has_fluid())
       mesh.scalars.emplace_back("pressure", fields.pressure);
-    mesh.vectors.emplace_back("velocity", fields.velocity);
+    if (scene.inertia)
+      mesh.vectors.emplace_back("velocity", fields.velocity);
+    if (scene.lagrangian_mesh())
+      mesh.vectors.emplace_back("displacement", fields.displacement);
     vtu->write(time, step, &mesh);
   }
 

@@ -24,9 +24,12 @@ namespace selkie
       {
         particles.seed();
         set_hydrostatic_state(particles);
-        cloud = std::make_unique<NodeCloud<dim>>(*mesh,
-                                                 scene.lme.gamma,
-                                                 scene.lme.support_tolerance);
+        if (scene.approximation == Approximation::lme_mpm)
+          cloud = std::make_unique<NodeCloud<dim>>(*mesh,
+                                                   scene.lme.gamma,
+                                                   scene.lme.support_tolerance);
+        else
+          cloud = std::make_unique<NodeCloud<dim>>(*mesh);
       }
 
       std::unique_ptr<parallel::distributed::Triangulation<dim>> mesh;

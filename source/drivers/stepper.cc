@@ -33,41 +33,79 @@ namespace selkie
         stored_pressure = std::numeric_limits<double>::quiet_NaN();
         stored_pressure.update_ghost_values();
       }
+    if (scene.approximation != Approximation::lme_mpm)
+      q4 = std::make_unique<const Q4Support<dim>>(scene, cloud);
+    if (scene.lagrangian_mesh())
+      {
+        nodes = std::make_unique<NodalState<dim>>(cloud);
+        q4->fill_points(particles, table);
+        nodes->start(scene, cloud, table);
+      }
   }
 
   template <int dim>
   Newmark
   Stepper<dim>::newmark(const double dt) const
   {
-    return Newmark(scene.inertia->newmark_beta,
-                   scene.inertia->newmark_gamma,
-                   dt);
+    return scene.inertia ? Newmark(scene.inertia->newmark_beta,
+                                   scene.inertia->newmark_gamma,
+                                   dt)
+                         : Newmark::quasi_static(dt);
+  }
+
+  /// Whether the interior of the fluid is integrated at fixed Gauss points.
+  template <int dim>
+  bool
+  Stepper<dim>::has_full_cells() const
+  {
+    return scene.approximation == Approximation::lme_mpm && scene.has_fluid() &&
+           scene.fluid_pressure->gauss_full_cells;
+  }
+
+  /// The only place where the approximations differ.
+  template <int dim>
+  void
+  Stepper<dim>::fill_supports()
+  {
+    TimerTree::Scope scope(timers, "supports");
+    if (scene.approximation == Approximation::lme_mpm)
+      {
+        const auto occupancy =
+          find_occupancy(particles, cloud, has_full_cells());
+        fill_material_points(particles, cloud, occupancy, table);
+        unknowns.reinit(occupancy, table);
+        return;
+      }
+    q4->fill_points(particles, table);
+    if (nodes)
+      q4->add_loaded_faces(nodes->displacement, table);
+    unknowns.reinit(q4->occupancy(table), table);
   }
 
   template <int dim>
   void
   Stepper<dim>::build_supports(const double t, const double dt)
   {
-    const bool gauss =
-      scene.has_fluid() && scene.fluid_pressure->gauss_full_cells;
-    {
-      TimerTree::Scope scope(timers, "supports");
-      const auto       occupancy = find_occupancy(particles, cloud, gauss);
-      fill_material_points(particles, cloud, occupancy, table);
-      unknowns.reinit(occupancy, table);
-    }
+    fill_supports();
     {
       TimerTree::Scope scope(timers, "projection");
-      project(particles, table, unknowns, t, dt, stored_pressure, fields);
+      project(particles,
+              table,
+              unknowns,
+              t,
+              dt,
+              stored_pressure,
+              nodes.get(),
+              fields);
     }
-    if (gauss)
+    if (has_full_cells())
       {
         TimerTree::Scope scope(timers, "supports");
         Vector           pressure(cloud.partitioner());
         store_pressure(unknowns, fields, pressure);
         add_gauss_points(particles, cloud, pressure, table);
       }
-    if (scene.has_fluid())
+    if (scene.has_fluid() && !scene.lagrangian_mesh())
       correct_volume(*scene.fluid_pressure, unknowns, table);
   }
 
@@ -137,6 +175,13 @@ namespace selkie
   {
     Vector residual;
     unknowns.initialize(residual);
+    if (!scene.inertia)
+      {
+        // Loads and reactions are the forces in play.
+        assembler.assemble(table, time, fields, pressure_unit, false, residual);
+        scale_u = std::max(scale_u, residual.l2_norm());
+        return;
+      }
     const auto error = [&] {
       try
         {
@@ -239,9 +284,11 @@ namespace selkie
           largest = std::max(largest, std::abs(dx.local_element(i)));
         }
       largest = Utilities::MPI::max(largest, particles.communicator());
-      return largest == std::numeric_limits<double>::max()
-               ? std::numeric_limits<double>::infinity()
-               : largest / cloud.smallest_spacing();
+      if (largest == std::numeric_limits<double>::max())
+        return std::numeric_limits<double>::infinity();
+      // Elements may turn by any angle in a step: the line search looks after
+      // them.
+      return scene.lagrangian_mesh() ? 0. : largest / cloud.smallest_spacing();
     };
     return problem;
   }
@@ -287,6 +334,8 @@ namespace selkie
     TimerTree::Scope scope(timers, "update");
     report.reset_energy =
       advance(particles, table, unknowns, time.newmark, fields).reset_energy;
+    if (nodes)
+      nodes->keep(unknowns, time.newmark, fields);
     if (scene.has_fluid())
       store_pressure(unknowns, fields, stored_pressure);
     return report;
@@ -377,6 +426,8 @@ namespace selkie
           -residual.local_element(i) / fields.mass.local_element(i);
     a_0.update_ghost_values();
     set_accelerations(particles, table, unknowns, a_0);
+    if (nodes)
+      nodes->set_acceleration(unknowns, a_0);
   }
 
   template <int dim>
@@ -402,6 +453,8 @@ namespace selkie
           result.pressure.local_element(node) =
             fields.x.local_element(unknowns.pressure(node));
       }
+    if (nodes)
+      result.displacement = nodes->displacement;
     for (auto &component : result.velocity)
       component.update_ghost_values();
     result.mass.update_ghost_values();

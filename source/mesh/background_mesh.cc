@@ -1,4 +1,5 @@
 #include <selkie/mesh/background_mesh.h>
+#include <selkie/scene/imported_mesh.h>
 
 #include <deal.II/grid/grid_generator.h>
 
@@ -72,12 +73,18 @@ namespace selkie
       dealii::Triangulation<dim>::limit_level_difference_at_vertices,
       Mesh::communicate_vertices_to_p4est);
 
-    const unsigned int        base = common_halvings(domain.cells);
-    std::vector<unsigned int> repetitions;
-    for (const unsigned int n : domain.cells)
-      repetitions.push_back(n >> base);
-    dealii::GridGenerator::subdivided_hyper_rectangle(
-      *mesh, repetitions, domain.lower, domain.upper, /*colorize=*/true);
+    const unsigned int base = domain.mesh ? domain.mesh->global_refinements
+                                          : common_halvings(domain.cells);
+    if (domain.mesh)
+      make_coarse_mesh(*domain.mesh, *mesh);
+    else
+      {
+        std::vector<unsigned int> repetitions;
+        for (const unsigned int n : domain.cells)
+          repetitions.push_back(n >> base);
+        dealii::GridGenerator::subdivided_hyper_rectangle(
+          *mesh, repetitions, domain.lower, domain.upper, /*colorize=*/true);
+      }
     mesh->refine_global(base);
 
     unsigned int most_levels = 0;

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/boost_adaptors/bounding_box.h>
+#include <deal.II/dofs/dof_tools.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <boost/serialization/array.hpp>
@@ -142,7 +143,61 @@ namespace selkie
 
 
   template <int dim>
+  NodeCloud<dim>::NodeCloud(
+    const dealii::parallel::distributed::Triangulation<dim> &triangulation)
+    : gamma(0.)
+    , reach_per_spacing(0.)
+    , mesh(triangulation)
+    , element(1)
+    , dofs(triangulation)
+  {
+    dofs.distribute_dofs(element);
+    store_cell_nodes();
+    store_corners();
+  }
+
+
+  template <int dim>
   NodeCloud<dim>::~NodeCloud() = default;
+
+
+  template <int dim>
+  void
+  NodeCloud<dim>::store_cell_nodes()
+  {
+    dealii::IndexSet relevant;
+    dealii::DoFTools::extract_locally_relevant_dofs(dofs, relevant);
+    partition = std::make_shared<const dealii::Utilities::MPI::Partitioner>(
+      dofs.locally_owned_dofs(), relevant, mesh.get_communicator());
+    const unsigned int n =
+      partition->locally_owned_size() + partition->n_ghost_indices();
+    positions.resize(n);
+    Vector h(partition);
+    h = std::numeric_limits<double>::max();
+    std::vector<dealii::types::global_dof_index> indices(1u << dim);
+    for (const auto &cell : dofs.active_cell_iterators())
+      if (!cell->is_artificial())
+        {
+          cell->get_dof_indices(indices);
+          for (unsigned int v = 0; v < indices.size(); ++v)
+            {
+              const auto node       = partition->global_to_local(indices[v]);
+              positions[node]       = cell->vertex(v);
+              h.local_element(node) = std::min(h.local_element(node),
+                                               cell->minimum_vertex_distance());
+            }
+        }
+    // Owned nodes see all cells around them, ghosts take the owners' word.
+    h.zero_out_ghost_values();
+    h.update_ghost_values();
+    smallest = std::numeric_limits<double>::max();
+    for (unsigned int node = 0; node < n; ++node)
+      {
+        spacings.push_back(h.local_element(node));
+        smallest = std::min(smallest, spacings.back());
+      }
+    smallest = dealii::Utilities::MPI::min(smallest, mesh.get_communicator());
+  }
 
 
   template <int dim>

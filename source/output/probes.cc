@@ -106,6 +106,7 @@ namespace selkie
         case Kind::front:
         case Kind::extent:
           return columns.body(properties) == probe.body;
+        case Kind::node:
         case Kind::wall_force:
           return false;
       }
@@ -193,7 +194,53 @@ namespace selkie
 
   template <int dim>
   void
-  Probes<dim>::record(const double time, const WallForces<dim> &walls)
+  Probes<dim>::set_node(const Probe<dim>      &probe,
+                        const NodeMotion<dim> &nodes,
+                        Statistics            &table) const
+  {
+    if (nodes.cloud == nullptr)
+      throw SceneError("the probe '" + probe.name + "' is that of a node");
+    // Where several are equally near: the one of the smallest global number.
+    using dealii::Utilities::MPI::min;
+    using dealii::Utilities::MPI::sum;
+    const MPI_Comm comm    = particles.communicator();
+    double         nearest = std::numeric_limits<double>::max();
+    for (unsigned int i = 0; i < nodes.cloud->n_owned(); ++i)
+      nearest =
+        std::min(nearest, nodes.cloud->position(i).distance(probe.position));
+    nearest         = (1. + 1e-9) * min(nearest, comm);
+    const auto none = nodes.cloud->n_global();
+    auto       best = none;
+    unsigned   mine = 0;
+    for (unsigned int i = 0; i < nodes.cloud->n_owned(); ++i)
+      if (nodes.cloud->position(i).distance(probe.position) <= nearest &&
+          nodes.cloud->global_index(i) < best)
+        {
+          best = nodes.cloud->global_index(i);
+          mine = i;
+        }
+    dealii::Tensor<1, dim> u, x, v;
+    if (min(best, comm) == best) // a node has one owner
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          u[d] = (*nodes.displacement)[d].local_element(mine);
+          v[d] = (*nodes.velocity)[d].local_element(mine);
+          x[d] = nodes.cloud->position(mine)[d] + u[d];
+        }
+    Sums node;
+    node.n = 1;
+    node.u = sum(u, comm);
+    node.x = sum(x, comm);
+    node.v = sum(v, comm);
+    set_means(node, table);
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::record(const double           time,
+                      const WallForces<dim> &walls,
+                      const NodeMotion<dim> &nodes)
   {
     if (curves.empty())
       return;
@@ -209,6 +256,9 @@ namespace selkie
             case Kind::point:
             case Kind::region:
               set_means(sums[c], table);
+              break;
+            case Kind::node:
+              set_node(probe, nodes, table);
               break;
             case Kind::wall_force:
               for (unsigned int i = 0; i < dim; ++i)

@@ -34,8 +34,8 @@ namespace selkie
     needs_reference_position(const Scene<dim> &scene)
     {
       using Kind = typename Probe<dim>::Kind;
-      return has_solid(scene) || scene.body_force != nullptr ||
-             !scene.tractions.empty() ||
+      return has_solid(scene) || scene.lagrangian_mesh() ||
+             scene.body_force != nullptr || !scene.tractions.empty() ||
              std::any_of(scene.probes.begin(),
                          scene.probes.end(),
                          [](const Probe<dim> &probe) {
@@ -62,14 +62,17 @@ namespace selkie
   ParticleColumns<dim>::ParticleColumns(const Scene<dim> &scene,
                                         ParticleFields   &fields)
   {
-    using Vector       = dealii::Tensor<1, dim>;
-    using Matrix       = dealii::Tensor<2, dim>;
-    const bool  moves  = scene.inertia.has_value();
-    const bool  solid  = has_solid(scene);
-    const bool  fluid  = has_fluid(scene);
-    const bool  tpic   = scene.transfer.scheme == TransferScheme::tpic;
+    using Vector     = dealii::Tensor<1, dim>;
+    using Matrix     = dealii::Tensor<2, dim>;
+    const bool moves = scene.inertia.has_value();
+    const bool solid = has_solid(scene);
+    const bool fluid = has_fluid(scene);
+    const bool tpic =
+      !scene.lagrangian_mesh() && scene.transfer.scheme == TransferScheme::tpic;
+    const bool  lme    = scene.approximation == Approximation::lme_mpm;
+    const bool  shape  = solid || scene.lagrangian_mesh();
     const bool  starts = needs_reference_position(scene);
-    const bool  loaded = !scene.tractions.empty();
+    const bool  loaded = !scene.lagrangian_mesh() && !scene.tractions.empty();
     const char *m_unit = dim == 2 ? "kg/m" : "kg";
     const char *V_unit = dim == 2 ? "m^2" : "m^3";
     const char *A_unit = dim == 2 ? "m" : "m^2";
@@ -77,11 +80,11 @@ namespace selkie
     body     = fields.add<double>("body", "", true);
     mass     = fields.add<double>("mass", m_unit, true);
     volume   = fields.add<double>("reference volume", V_unit, true);
-    lambda   = fields.add<Vector>("LME multiplier", "1/m");
+    lambda   = add_if<Vector>(lme, fields, "LME multiplier", "1/m", false);
     X        = add_if<Vector>(starts, fields, "reference position", "m", true);
     v        = add_if<Vector>(moves, fields, "velocity", "m/s", true);
     a        = add_if<Vector>(moves, fields, "acceleration", "m/s^2", false);
-    F        = add_if<Matrix>(solid, fields, "deformation gradient", "", true);
+    F        = add_if<Matrix>(shape, fields, "deformation gradient", "", true);
     J        = add_if<double>(fluid, fields, "volume ratio", "", true);
     pressure = add_if<double>(fluid, fields, "pressure", "Pa", true);
     grad_v   = add_if<Matrix>(tpic, fields, "velocity gradient", "1/s", false);

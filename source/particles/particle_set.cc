@@ -222,6 +222,8 @@ namespace selkie
     AssertThrow(displacements.size() == points.n_locally_owned_particles(),
                 dealii::ExcDimensionMismatch(
                   displacements.size(), points.n_locally_owned_particles()));
+    if (scene.lagrangian_mesh())
+      return plan_with_mesh(displacements);
     const CellLocator<dim> locator(mesh);
     const double           margin = 1e-5 * locator.smallest_spacing();
     Motion                 motion;
@@ -250,6 +252,25 @@ namespace selkie
         motion.leaving.push_back(point);
         if (motion.first.empty())
           motion.first = describe(point, x);
+      }
+    return motion;
+  }
+
+
+  template <int dim>
+  typename ParticleSet<dim>::Motion
+  ParticleSet<dim>::plan_with_mesh(
+    const std::vector<dealii::Tensor<1, dim>> &displacements) const
+  {
+    Motion motion;
+    motion.positions.reserve(displacements.size());
+    auto displacement = displacements.begin();
+    for (auto point = points.begin(); point != points.end(); ++point)
+      {
+        motion.positions.push_back(point->get_location() + *displacement++);
+        if (!std::isfinite(motion.positions.back().norm_square()) &&
+            motion.not_finite.empty())
+          motion.not_finite = describe(point, motion.positions.back());
       }
     return motion;
   }
@@ -293,6 +314,8 @@ namespace selkie
     auto position = motion.positions.begin();
     for (auto &point : points)
       point.set_location(*position++);
+    if (scene.lagrangian_mesh())
+      return;
 
     using dealii::Utilities::MPI::sum;
     const auto   n    = sum(motion.n_leaving, communicator());

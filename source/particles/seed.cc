@@ -3,7 +3,11 @@
 #include <selkie/particles/seed.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/base/utilities.h>
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/fe/mapping_q1.h>
 #include <deal.II/grid/cell_id.h>
 
 #include <algorithm>
@@ -160,31 +164,95 @@ namespace selkie
         }
     }
 
-    /// Scales the points' volumes to the exact ones of the bodies.
+    /// The Gauss points of a finite element, which belongs to the body that
+    /// holds its centre.
     template <int dim>
     void
-    scale_volumes(const Scene<dim>       &scene,
-                  std::vector<Seed<dim>> &seeds,
-                  const MPI_Comm          comm)
+    seed_element(const Scene<dim>                               &scene,
+                 const unsigned int                              b,
+                 const typename Mesh<dim>::active_cell_iterator &cell,
+                 std::vector<Seed<dim>>                         &seeds,
+                 std::string                                    &error)
     {
-      std::vector<double> sums(scene.bodies.size(), 0.), scaled(sums);
+      if (!scene.bodies[b].shape->contains(cell->center()))
+        return;
+      if (error.empty())
+        error = overlap(scene, b, cell->center());
+      const dealii::FE_Q<dim>      element(1);
+      const dealii::QGauss<dim>    gauss(scene.bodies[b].points_per_direction);
+      const dealii::MappingQ1<dim> mapping;
+      dealii::FEValues<dim>        values(mapping,
+                                   element,
+                                   gauss,
+                                   dealii::update_quadrature_points |
+                                     dealii::update_JxW_values);
+      values.reinit(
+        static_cast<const typename dealii::Triangulation<dim>::cell_iterator &>(
+          cell));
+      for (unsigned int q = 0; q < gauss.size(); ++q)
+        seeds.push_back({cell,
+                         values.quadrature_point(q),
+                         gauss.point(q),
+                         b,
+                         values.JxW(q),
+                         0});
+    }
+
+    /// Volumes of the bodies' points on all ranks. Throws SceneError when one
+    /// has none.
+    template <int dim>
+    std::vector<double>
+    seeded_volumes(const Scene<dim>             &scene,
+                   const std::vector<Seed<dim>> &seeds,
+                   const MPI_Comm                comm)
+    {
+      std::vector<double> sums(scene.bodies.size(), 0.);
       for (const auto &seed : seeds)
         sums[seed.body] += seed.volume;
       dealii::Utilities::MPI::sum(sums, comm, sums);
       for (unsigned int b = 0; b < sums.size(); ++b)
+        if (sums[b] == 0.)
+          throw SceneError(
+            "The body '" + scene.bodies[b].name +
+            "' gets no material point: its shape lies outside the domain or "
+            "between the lattice points. Refine the mesh or increase its "
+            "points per direction (" +
+            std::to_string(scene.bodies[b].points_per_direction) + ").");
+      return sums;
+    }
+
+    /// Finite elements fill their body, those of the box's lattice exactly.
+    template <int dim>
+    void
+    check_fit(const Scene<dim> &scene, const std::vector<double> &volumes)
+    {
+      const double tolerance = scene.domain.mesh ? 0.1 : 1e-6;
+      for (unsigned int b = 0; b < volumes.size(); ++b)
         {
-          const Body<dim> &body = scene.bodies[b];
-          if (sums[b] == 0.)
-            throw SceneError(
-              "The body '" + body.name +
-              "' gets no material point: its shape lies outside the domain or "
-              "between the lattice points. Refine the mesh or increase its "
-              "points per direction (" +
-              std::to_string(body.points_per_direction) + ").");
-          scaled[b] = body.shape->volume() / sums[b];
+          const double exact = scene.bodies[b].shape->volume();
+          if (std::abs(volumes[b] - exact) <= tolerance * exact)
+            continue;
+          std::ostringstream out;
+          out << "The body '" << scene.bodies[b].name << "' has a volume of "
+              << exact << " m^" << dim << ", the cells of the mesh inside it "
+              << volumes[b]
+              << ": `q4 fem` needs a mesh that is fitted to the bodies. Choose "
+                 "'Domain/Cells' so that the body's faces are cells' faces, "
+                 "or import a mesh (Domain/Mesh).";
+          throw SceneError(out.str());
         }
+    }
+
+    /// Scales the points' volumes to the exact ones of the bodies.
+    template <int dim>
+    void
+    scale_volumes(const Scene<dim>          &scene,
+                  const std::vector<double> &volumes,
+                  std::vector<Seed<dim>>    &seeds)
+    {
       for (auto &seed : seeds)
-        seed.volume *= scaled[seed.body];
+        seed.volume *=
+          scene.bodies[seed.body].shape->volume() / volumes[seed.body];
     }
 
     /// Numbers the points in their order, which is a global one.
@@ -215,9 +283,14 @@ namespace selkie
     std::string            error;
     for (const auto &cell : cells_on_curve(mesh))
       for (unsigned int b = 0; b < scene.bodies.size(); ++b)
-        seed_cell(scene, b, cell, seeds, error);
+        scene.lagrangian_mesh() ? seed_element(scene, b, cell, seeds, error)
+                                : seed_cell(scene, b, cell, seeds, error);
     throw_on_all_ranks<SceneError>(comm, error);
-    scale_volumes(scene, seeds, comm);
+    const auto volumes = seeded_volumes(scene, seeds, comm);
+    if (scene.lagrangian_mesh())
+      check_fit(scene, volumes);
+    else
+      scale_volumes(scene, volumes, seeds);
     number(seeds, comm);
     return seeds;
   }

@@ -2,6 +2,7 @@
 #include <selkie/scene/check_scene.h>
 #include <selkie/scene/declare_scene.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace selkie
@@ -65,6 +66,21 @@ namespace selkie
 
     template <int dim>
     void
+    check_mean_dilatation(const Scene<dim> &scene)
+    {
+      if (scene.mean_dilatation &&
+          std::none_of(scene.bodies.begin(),
+                       scene.bodies.end(),
+                       [](const Body<dim> &body) { return body.phase != 0; }))
+        fail(scene,
+             "Effects",
+             "'mean dilatation' is for solids, and every body of the scene is "
+             "a fluid");
+    }
+
+
+    template <int dim>
+    void
     check_body_force(const Scene<dim> &scene)
     {
       const bool listed = scene.has_effect("body force");
@@ -101,7 +117,9 @@ namespace selkie
                  "a traction acts on a solid, and '" + body.name +
                    "' is a fluid");
           const double box = body.shape->bounding_box().volume();
-          if (std::abs(body.shape->volume() - box) > 1e-10 * box)
+          // Finite elements have faces; points are those next to a plane one.
+          if (!scene.lagrangian_mesh() &&
+              std::abs(body.shape->volume() - box) > 1e-10 * box)
             fail(scene,
                  path + "Body",
                  "a traction acts on a face of a box, and the shape of '" +
@@ -172,7 +190,12 @@ namespace selkie
           const std::string path = "Probes/" + probe.name + "/";
           if (probe.kind == Kind::region && !probe.shape)
             fail(scene, path + "Shape", "a region probe needs a shape");
-          if (probe.kind == Kind::point &&
+          if (probe.kind == Kind::node && !scene.lagrangian_mesh())
+            fail(scene,
+                 path + "Kind",
+                 "nodes move with the matter only with 'Approximation' = 'q4 "
+                 "fem'; allowed here is 'point' or 'region'");
+          if ((probe.kind == Kind::point || probe.kind == Kind::node) &&
               !domain.point_inside(probe.position, 1e-10))
             fail(scene, path + "Position", "the probe lies outside the domain");
         }
@@ -186,6 +209,7 @@ namespace selkie
   {
     check_viscosity(scene);
     check_gravity(scene);
+    check_mean_dilatation(scene);
     check_body_force(scene);
     check_tractions(scene);
     check_motion(scene);

@@ -45,7 +45,8 @@ namespace selkie
                "every coordinate must be larger than that of 'Domain/Lower "
                "corner'");
       const double h = cell_size(domain);
-      for (unsigned int d = 0; d < dim; ++d)
+      // LME functions are round; finite elements may be slender.
+      for (unsigned int d = 0; d < dim && !scene.lagrangian_mesh(); ++d)
         {
           const double side =
             (domain.upper[d] - domain.lower[d]) / domain.cells[d];
@@ -131,6 +132,8 @@ namespace selkie
                "the body '" + body.name + "' reaches outside the domain: it " +
                  "covers " + in_words(box) + ", allowed is " +
                  in_words(domain));
+      if (scene.domain.mesh) // its cells are found when bodies are seeded
+        return;
       const Tensor<1, dim> spacing =
         finest_cell(scene.domain) / double(body.points_per_direction);
       const bool has_points = any_of_lattice(
@@ -190,6 +193,8 @@ namespace selkie
         fail(scene,
              path + "Components",
              "the node set holds nothing; name at least one component");
+      if (scene.domain.mesh)
+        return;
       BoundingBox<dim> common;
       const auto       h     = finest_cell(scene.domain);
       const auto       shape = set.shape->bounding_box();
@@ -215,6 +220,23 @@ namespace selkie
 
   template <int dim>
   void
+  check_mesh_source(const Scene<dim> &scene)
+  {
+    const ImportedMesh &mesh = *scene.domain.mesh;
+    if (!scene.lagrangian_mesh())
+      fail(scene,
+           "Approximation",
+           "the scene imports a mesh (Domain/Mesh), whose cells move with the "
+           "matter; allowed is then only 'q4 fem'");
+    if (mesh.file.empty() == mesh.generator.empty())
+      fail(scene,
+           "Domain/Mesh/File",
+           "allowed is either a file or a 'Generator', one of them");
+  }
+
+
+  template <int dim>
+  void
   check_geometry(const Scene<dim> &scene)
   {
     check_domain(scene);
@@ -231,6 +253,10 @@ namespace selkie
   }
 
 
+  template void
+  check_mesh_source(const Scene<2> &);
+  template void
+  check_mesh_source(const Scene<3> &);
   template void
   check_geometry(const Scene<2> &);
   template void

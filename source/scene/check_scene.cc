@@ -77,6 +77,11 @@ namespace selkie
     {
       if (!scene.inertia)
         {
+          if (scene.has_fluid())
+            fail(scene,
+                 "Effects",
+                 "a scene without 'inertia' is static, and nothing but inertia "
+                 "keeps a fluid in shape; list 'inertia'");
           if (!is_held(scene))
             fail(scene,
                  "Effects",
@@ -84,10 +89,7 @@ namespace selkie
                  "holds it: all walls are free and there is no node set. "
                  "Allowed are a wall that is fixed, slip or prescribed, a node "
                  "set, or the effect 'inertia'");
-          fail(scene,
-               "Effects",
-               "a scene without 'inertia' is static, and static analysis comes "
-               "later; list 'inertia'");
+          return;
         }
       if (2 * scene.inertia->newmark_beta < scene.inertia->newmark_gamma)
         fail(scene,
@@ -162,7 +164,8 @@ namespace selkie
   void
   check_scene(const Scene<dim> &scene)
   {
-    check_lme(scene);
+    if (scene.approximation == Approximation::lme_mpm)
+      check_lme(scene);
     check_time(scene);
     check_inertia(scene);
     check_geometry(scene);

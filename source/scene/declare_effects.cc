@@ -20,9 +20,11 @@ namespace selkie
       add_choice(prm,
                  "Mass",
                  inertia.mass,
-                 {{"lumped", MassKind::lumped},
+                 {{"automatic", MassKind::automatic},
+                  {"lumped", MassKind::lumped},
                   {"consistent", MassKind::consistent}},
-                 "The mass matrix. Units: none.");
+                 "The mass matrix; `automatic` is consistent for `q4 fem` and "
+                 "lumped for material points. Units: none.");
       prm.add_parameter("Newmark beta",
                         inertia.newmark_beta,
                         "Newmark's beta, at least gamma / 2; (gamma + 1/2)^2 / "
@@ -156,21 +158,26 @@ namespace selkie
       using Kind = typename Probe<dim>::Kind;
       probe.name = name;
       prm.enter_subsection(name);
-      add_choice(prm,
-                 "Kind",
-                 probe.kind,
-                 {{"point", Kind::point},
-                  {"region", Kind::region},
-                  {"wall force", Kind::wall_force},
-                  {"front", Kind::front},
-                  {"extent", Kind::extent}},
-                 "`point` is the mean of the material points that start within "
-                 "Radius of Position, `region` of those that start in Shape, "
-                 "`wall force` the reaction of Wall, `front` the largest "
-                 "coordinate along Axis that Body reaches, `extent` the "
-                 "smallest and largest coordinates, volume and centroid of "
-                 "Body. Units: none.");
-      prm.add_parameter("Position", probe.position, "For `point`. Units: m.");
+      add_choice(
+        prm,
+        "Kind",
+        probe.kind,
+        {{"point", Kind::point},
+         {"node", Kind::node},
+         {"region", Kind::region},
+         {"wall force", Kind::wall_force},
+         {"front", Kind::front},
+         {"extent", Kind::extent}},
+        "`point` is the mean of the material points that start within "
+        "Radius of Position, `node` the node of a finite element mesh "
+        "(`q4 fem`) that starts nearest to Position, `region` of those that start in Shape, "
+        "`wall force` the reaction of Wall, `front` the largest "
+        "coordinate along Axis that Body reaches, `extent` the "
+        "smallest and largest coordinates, volume and centroid of "
+        "Body. Units: none.");
+      prm.add_parameter("Position",
+                        probe.position,
+                        "For `point` and `node`. Units: m.");
       prm.add_parameter("Radius",
                         probe.radius,
                         "For `point`; 0 means one cell. Units: m.",
@@ -294,8 +301,9 @@ namespace selkie
                   const SceneNames &names,
                   Scene<dim>       &scene)
   {
-    scene.effects   = names.effects;
-    scene.viscosity = names.has_effect("viscosity");
+    scene.effects         = names.effects;
+    scene.viscosity       = names.has_effect("viscosity");
+    scene.mean_dilatation = names.has_effect("mean dilatation");
     if (names.has_effect("inertia"))
       declare_inertia(prm, scene.inertia.emplace());
     if (names.has_effect("gravity"))

@@ -42,10 +42,14 @@ namespace selkie
       add_choice(prm,
                  "Approximation",
                  scene.approximation,
-                 {{"lme mpm", Approximation::lme_mpm}},
+                 {{"lme mpm", Approximation::lme_mpm},
+                  {"q4 mpm", Approximation::q4_mpm},
+                  {"q4 fem", Approximation::q4_fem}},
                  "Who carries the unknowns: `lme mpm` is local maximum-entropy "
-                 "functions on the nodes of the background mesh. "
-                 "Units: none.");
+                 "functions on the nodes of the background mesh, `q4 mpm` hat "
+                 "functions on it (the classical material point method), "
+                 "`q4 fem` Lagrangian finite elements, whose mesh, fitted to "
+                 "the bodies, moves with the matter. Units: none.");
       prm.declare_entry("Effects",
                         "inertia",
                         Patterns::MultipleSelection(effect_names()),
@@ -155,11 +159,36 @@ namespace selkie
     }
 
 
+    void
+    declare_mesh(ParameterHandler &prm, ImportedMesh &mesh)
+    {
+      prm.enter_subsection("Mesh");
+      prm.add_parameter("File",
+                        mesh.file,
+                        "A mesh of quadrilaterals or hexahedra to read, in a "
+                        "format that deal.II's GridIn knows by its ending "
+                        "(.msh of gmsh, .inp, .vtk, .ucd). Units: none.");
+      prm.add_parameter("Generator",
+                        mesh.generator,
+                        "Or the name of one of deal.II's GridGenerator "
+                        "functions, such as general_cell. Units: none.");
+      prm.add_parameter("Arguments",
+                        mesh.arguments,
+                        "The generator's arguments, as its manual lists them, "
+                        "separated by colons. Units: none.");
+      prm.add_parameter("Global refinements",
+                        mesh.global_refinements,
+                        "How often all its cells are halved. Units: none.",
+                        Integer(0, 20));
+      prm.leave_subsection();
+    }
+
+
     template <int dim>
     void
-    declare_domain(ParameterHandler               &prm,
-                   const std::vector<std::string> &refinements,
-                   Domain<dim>                    &domain)
+    declare_domain(ParameterHandler &prm,
+                   const SceneNames &names,
+                   Domain<dim>      &domain)
     {
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -181,7 +210,9 @@ namespace selkie
                         "within 1 %. Units: none.",
                         Patterns::List(Integer(1), dim, dim, ","));
       declare_walls(prm, domain);
-      declare_refinements(prm, refinements, domain);
+      declare_refinements(prm, names.refinements, domain);
+      if (names.imported_mesh)
+        declare_mesh(prm, domain.mesh.emplace());
       prm.leave_subsection();
     }
 
@@ -367,6 +398,9 @@ namespace selkie
       {"inertia", "Inertia", "Mass resists acceleration; Newmark's scheme."},
       {"gravity", "Gravity", "A constant acceleration on all bodies."},
       {"viscosity", "", "The shear viscosity of the fluids' laws."},
+      {"mean dilatation",
+       "",
+       "Solids take the volume ratio's mean over a cell: no locking."},
       {"body force",
        "Body force",
        "An acceleration that is a function of X, x and t."},
@@ -399,7 +433,7 @@ namespace selkie
                 Scene<dim>       &scene)
   {
     declare_general(prm, scene);
-    declare_domain(prm, names.refinements, scene.domain);
+    declare_domain(prm, names, scene.domain);
     declare_bodies(prm, names, scene);
     declare_effects(prm, names, scene);
     declare_lme(prm, scene.lme);

@@ -1,6 +1,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/scene/check_scene.h>
 #include <selkie/scene/declare_scene.h>
+#include <selkie/scene/imported_mesh.h>
 #include <selkie/scene/parameter_file.h>
 #include <selkie/scene/read_scene.h>
 
@@ -76,6 +77,17 @@ namespace selkie
         return list;
       }
 
+      /// Whether the scene sets a parameter of this subsection.
+      bool
+      has_section(const std::vector<std::string> &sections) const
+      {
+        return std::any_of(entries.begin(),
+                           entries.end(),
+                           [&](const ParameterEntry &entry) {
+                             return entry.sections == sections;
+                           });
+      }
+
       const LawRow *
       law_of(const std::string &body) const
       {
@@ -93,12 +105,13 @@ namespace selkie
       scene_names() const
       {
         SceneNames result;
-        result.effects     = effects();
-        result.bodies      = names("Bodies/Names");
-        result.refinements = names("Domain/Refinements/Names");
-        result.node_sets   = names("Node sets/Names");
-        result.tractions   = names("Tractions/Names");
-        result.probes      = names("Probes/Names");
+        result.effects       = effects();
+        result.bodies        = names("Bodies/Names");
+        result.refinements   = names("Domain/Refinements/Names");
+        result.node_sets     = names("Node sets/Names");
+        result.tractions     = names("Tractions/Names");
+        result.probes        = names("Probes/Names");
+        result.imported_mesh = has_section({"Domain", "Mesh"});
         for (const auto &body : result.bodies)
           result.laws.push_back(law_of(body));
         return result;
@@ -194,6 +207,9 @@ namespace selkie
           if (wall.condition == NodeCondition::slip)
             wall.components[w / 2] = true;
         }
+      if (scene.inertia && scene.inertia->mass == MassKind::automatic)
+        scene.inertia->mass =
+          scene.lagrangian_mesh() ? MassKind::consistent : MassKind::lumped;
       const auto starts_hydrostatic = [](const Body<dim> &body) {
         return body.hydrostatic_start;
       };
@@ -259,6 +275,11 @@ namespace selkie
     keep_parameters(prm, reader, scene);
     make_laws(prm, reader, names, scene);
     complete(scene, names);
+    if (scene.domain.mesh)
+      {
+        check_mesh_source(scene);
+        fit_box(scene.domain);
+      }
     check_scene(scene);
     return scene;
   }

@@ -1,4 +1,5 @@
 #include <selkie/laws/newtonian_fluid.h>
+#include <selkie/shape/gather_points.h>
 #include <selkie/shape/lme.h>
 #include <selkie/shape/lme_support.h>
 
@@ -66,35 +67,6 @@ namespace selkie
         }
     }
 
-    /// The state of a material point at t_n.
-    template <int dim>
-    StepPoint<dim>
-    step_point(const ParticleSet<dim>                 &particles,
-               const Particles::ParticleAccessor<dim> &particle,
-               const unsigned int                      index)
-    {
-      const auto  properties = particle.get_properties();
-      const auto &columns    = particles.columns;
-
-      StepPoint<dim> point;
-      point.x        = particle.get_location();
-      point.body     = static_cast<unsigned int>(columns.body(properties));
-      point.law      = particles.scene.bodies[point.body].law.get();
-      point.mass     = columns.mass(properties);
-      point.volume   = columns.volume(properties);
-      point.lambda   = columns.lambda(properties);
-      point.particle = index;
-      if (columns.X.exists())
-        point.X = Point<dim>(columns.X(properties));
-      if (columns.traction_area.exists())
-        point.traction_area = columns.traction_area(properties);
-      if (point.law->phase() == Phase::solid)
-        point.F_n = columns.F(properties);
-      else
-        point.J_n = columns.J(properties);
-      return point;
-    }
-
     template <int dim>
     bool
     is_full(const NodeCloud<dim>    &cloud,
@@ -122,49 +94,12 @@ namespace selkie
                        const Occupancy<dim>   &occupancy,
                        SupportTable<dim>      &table)
   {
-    table.clear();
-    table.data.resize_fast(0);
-    std::vector<StepPoint<dim>> in_cell;
-    const auto                 &bodies   = particles.scene.bodies;
-    auto                        particle = particles.handler().begin();
-    while (particle != particles.handler().end())
+    gather_points(particles, table);
+    for (Patch<dim> &patch : table.patches)
       {
-        const typename NodeCloud<dim>::Cell cell =
-          particle->get_surrounding_cell();
-        in_cell.clear();
-        for (; particle != particles.handler().end() &&
-               particle->get_surrounding_cell() == cell;
-             ++particle)
-          in_cell.push_back(
-            step_point(particles, *particle, table.n_particles++));
-        std::stable_sort(in_cell.begin(),
-                         in_cell.end(),
-                         [&](const auto &p, const auto &q) {
-                           return bodies[p.body].phase < bodies[q.body].phase;
-                         });
-
-        for (unsigned int first = 0, last; first < in_cell.size(); first = last)
-          {
-            const unsigned int phase = bodies[in_cell[first].body].phase;
-            last                     = first;
-            while (last < in_cell.size() &&
-                   bodies[in_cell[last].body].phase == phase)
-              ++last;
-
-            Patch<dim> patch;
-            patch.cell        = cell;
-            patch.phase       = phase;
-            patch.fluid       = in_cell[first].law->phase() == Phase::fluid;
-            patch.first_point = table.points.size();
-            patch.n_points    = last - first;
-            table.points.insert(table.points.end(),
-                                in_cell.begin() + first,
-                                in_cell.begin() + last);
-            append_nodes(cloud, occupancy, patch, table);
-            patch.integration = !is_full(cloud, occupancy, table, patch);
-            evaluate_patch(cloud, patch, table);
-            table.patches.push_back(patch);
-          }
+        append_nodes(cloud, occupancy, patch, table);
+        patch.integration = !is_full(cloud, occupancy, table, patch);
+        evaluate_patch(cloud, patch, table);
       }
   }
 

@@ -7,8 +7,9 @@ namespace selkie
 
   namespace
   {
-    /// R_a = -sum_p A_p N_a t(X, x, t) over the outermost points of a face; A_p
-    /// is the face's reference area that a point carries (a dead load).
+    /// R_a = -sum_p A_p N_a t(X, x, t); A_p is the face's reference area that a
+    /// point carries (a dead load): of the outermost material points of a body,
+    /// or of the Gauss points of finite elements' faces.
     template <int dim>
     class TractionTerm : public DeadLoad<dim>
     {
@@ -21,6 +22,12 @@ namespace selkie
       name() const override
       {
         return "traction";
+      }
+
+      bool
+      acts_on(const Patch<dim> &patch) const override
+      {
+        return patch.matter || patch.surface;
       }
 
     private:

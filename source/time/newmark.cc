@@ -33,4 +33,22 @@ namespace selkie
     , alpha5(1. - gamma / beta)
     , alpha6((1. - gamma / (2. * beta)) * dt)
   {}
+
+  Newmark::Newmark(const QuasiStatic, const double dt)
+    : beta(0.)
+    , gamma(0.)
+    , dt(positive("time step", dt))
+    , alpha1(0.)
+    , alpha2(0.)
+    , alpha3(0.)
+    , alpha4(1. / dt)
+    , alpha5(0.)
+    , alpha6(0.)
+  {}
+
+  Newmark
+  Newmark::quasi_static(const double dt)
+  {
+    return Newmark(QuasiStatic(), dt);
+  }
 } // namespace selkie

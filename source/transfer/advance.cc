@@ -102,14 +102,18 @@ namespace selkie
                 const Interpolated<dim>    &at,
                 const bool                  fluid,
                 const bool                  alone,
-                const double                flip,
+                const Scene<dim>           &scene,
                 const ArrayView<double>    &mine)
     {
-      const Tensor<2, dim> f = unit_symmetric_tensor<dim>() + at.grad_du;
-      columns.lambda.set(mine, point.lambda);
+      const Tensor<2, dim> f    = unit_symmetric_tensor<dim>() + at.grad_du;
+      const double         flip = scene.transfer.flip_fraction;
+      if (columns.lambda.exists())
+        columns.lambda.set(mine, point.lambda);
       if (columns.v.exists())
         {
-          if (columns.grad_v.exists())
+          if (scene.lagrangian_mesh())
+            columns.v.set(mine, at.v);
+          else if (columns.grad_v.exists())
             {
               columns.v.set(mine, at.v);
               columns.grad_v.set(mine,
@@ -124,10 +128,12 @@ namespace selkie
         }
       if (fluid)
         {
-          columns.J.set(mine, at.J);
+          columns.J.set(mine,
+                        scene.lagrangian_mesh() ? point.J_n * determinant(f)
+                                                : at.J);
           columns.pressure.set(mine, at.p);
         }
-      else
+      if (!fluid || scene.lagrangian_mesh())
         columns.F.set(mine, f * point.F_n);
     }
   } // namespace
@@ -165,10 +171,11 @@ namespace selkie
                         at,
                         patch.fluid,
                         patch.fluid && patch.n_points < lone_points,
-                        particles.scene.transfer.flip_fraction,
+                        particles.scene,
                         properties[point.particle]);
             // In full cells the Gauss points hold the energy.
-            if (patch.fluid && patch.integration)
+            if (patch.fluid && patch.integration &&
+                !particles.scene.lagrangian_mesh())
               {
                 const auto  &law = static_cast<const FluidLaw &>(*point.law);
                 const double moved =

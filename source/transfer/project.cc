@@ -100,6 +100,7 @@ namespace selkie
           const double             t_n,
           const double             dt,
           const Vector            &stored_pressure,
+          const NodalState<dim>   *nodes,
           StepFields              &fields)
   {
     for (auto *vector : {&fields.mass, &fields.v_n, &fields.a_n, &fields.x})
@@ -122,6 +123,8 @@ namespace selkie
         if (!std::isnan(p))
           fields.x.local_element(system.pressure(node)) = p;
       }
+    if (nodes != nullptr)
+      nodes->recall(system, fields);
     prescribe(system, t_n, dt, fields);
     for (auto *vector : {&fields.mass, &fields.v_n, &fields.a_n, &fields.x})
       vector->update_ghost_values();
@@ -193,6 +196,7 @@ namespace selkie
                         const double,                 \
                         const double,                 \
                         const Vector &,               \
+                        const NodalState<dim> *,      \
                         StepFields &);                \
   template void store_pressure(const System<dim> &,   \
                                const StepFields &,    \

@@ -5,9 +5,11 @@
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/particles/particle_set.h>
 #include <selkie/shape/lme_support.h>
+#include <selkie/shape/q4_support.h>
 #include <selkie/solver/linear_solver.h>
 #include <selkie/solver/newton.h>
 #include <selkie/terms/term_table.h>
+#include <selkie/transfer/nodal_state.h>
 #include <selkie/transfer/transfer.h>
 
 #include <functional>
@@ -34,8 +36,8 @@ namespace selkie
   };
 
   /**
-   * One step of LME-MPM (design.md, section 2): supports, projection, Newton
-   * on displacement increments and pressures, update of the points. Until the
+   * One step (design.md, section 2): supports, projection, Newton on
+   * displacement increments and pressures, update of the points. Until the
    * step has converged nothing but scratch is written, so a failed step is
    * undone by not using it.
    */
@@ -62,6 +64,7 @@ namespace selkie
     /// in cloud numbering; zero at nodes without unknowns.
     struct NodalFields
     {
+      std::array<Vector, dim> displacement; ///< of a Lagrangian mesh
       std::array<Vector, dim> velocity;
       Vector                  mass, pressure;
     };
@@ -71,6 +74,13 @@ namespace selkie
     /// The names of the active terms.
     std::vector<std::string>
     term_names() const;
+
+    /// Of a Lagrangian mesh, else nullptr.
+    const NodalState<dim> *
+    nodal_state() const
+    {
+      return nodes.get();
+    }
 
     const System<dim> &
     system() const
@@ -91,6 +101,10 @@ namespace selkie
   private:
     void
     build_supports(const double t, const double dt);
+    void
+    fill_supports();
+    bool
+    has_full_cells() const;
     NewtonProblem
     newton_problem(const StepTime &time);
     SystemTraits
@@ -113,13 +127,15 @@ namespace selkie
     const NodeConditions<dim>                           conditions;
     const std::vector<std::unique_ptr<const Term<dim>>> terms;
 
-    System<dim>       unknowns;
-    Assembler<dim>    assembler;
-    LinearSolver<dim> linear_solver;
-    SupportTable<dim> table;
-    StepFields        fields;
-    Vector            stored_pressure;
-    double            scale_u = 0, scale_p = 0; ///< of the residual
-    double            pressure_unit = 1;        ///< Pa
+    System<dim>                           unknowns;
+    Assembler<dim>                        assembler;
+    LinearSolver<dim>                     linear_solver;
+    SupportTable<dim>                     table;
+    StepFields                            fields;
+    std::unique_ptr<const Q4Support<dim>> q4;    ///< hat functions
+    std::unique_ptr<NodalState<dim>>      nodes; ///< of a Lagrangian mesh
+    Vector                                stored_pressure;
+    double scale_u = 0, scale_p = 0; ///< of the residual
+    double pressure_unit = 1;        ///< Pa
   };
 } // namespace selkie

@@ -10,8 +10,9 @@
 namespace selkie
 {
   /**
-   * The scene's background mesh: a box of hypercubes on p4est, refined where
-   * the scene asks for it, with 2:1 balance over faces, edges and corners.
+   * The scene's mesh: a box of hypercubes on p4est, or one that the scene
+   * imports (Lagrangian meshes only), refined where the scene asks for it, with
+   * 2:1 balance over faces, edges and corners.
    * Boundary id = index of the wall (x-, x+, y-, …). The largest common power
    * of two of Domain::cells is made by global refinement, so that the coarse
    * mesh that every rank keeps is small. Particle counts are the weights of

@@ -43,6 +43,13 @@ namespace selkie
       const dealii::parallel::distributed::Triangulation<dim> &triangulation,
       const double                                             lme_gamma,
       const double                                             tolerance);
+
+    /// For functions that live on cells (hat functions): the halo holds the
+    /// nodes of this rank's cells and of its ghost cells, any mesh will do,
+    /// and there is no reach(), beta() or nodes_near(). Positions are those in
+    /// the mesh, h_a the shortest edge or diagonal around the node.
+    explicit NodeCloud(
+      const dealii::parallel::distributed::Triangulation<dim> &triangulation);
     ~NodeCloud();
     NodeCloud(const NodeCloud &) = delete;
     NodeCloud &
@@ -122,6 +129,8 @@ namespace selkie
     owned_nodes(const CellLocator<dim> &locator) const;
     std::vector<Node>
     halo_nodes(const std::vector<Node> &owned) const;
+    void
+    store_cell_nodes();
     void
     store(const std::vector<Node> &owned, const std::vector<Node> &halo);
     void

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <selkie/base/types.h>
+#include <selkie/mesh/node_cloud.h>
 #include <selkie/output/statistics.h>
 #include <selkie/particles/particle_set.h>
 
@@ -16,6 +18,15 @@ namespace selkie
     std::vector<dealii::Tensor<1, dim>> force; ///< by wall: x-, x+, y-, ...
   };
 
+  /// The nodes of a Lagrangian mesh: cloud numbering.
+  template <int dim>
+  struct NodeMotion
+  {
+    const NodeCloud<dim>          *cloud        = nullptr;
+    const std::array<Vector, dim> *displacement = nullptr; ///< m
+    const std::array<Vector, dim> *velocity     = nullptr; ///< m/s
+  };
+
   /**
    * The scene's probes: one file probes/NAME.csv each, a row per record().
    *
@@ -23,6 +34,8 @@ namespace selkie
    *   reference position is within the radius of the probe's position; when
    *   there is none, of those nearest to it.
    * - `region`: the same for the points that started inside a shape.
+   * - `node`: the same of the node nearest to the probe's position at the start
+   *   (with a Lagrangian mesh).
    * - `wall force`: the force on a wall.
    * - `front`: largest and smallest coordinate of a body's points along an
    *   axis. The matter reaches about half a point spacing further.
@@ -46,8 +59,11 @@ namespace selkie
 
     /// Adds a row to each file. Collective.
     /// @param time s
+    /// @param nodes of a Lagrangian mesh, for probes of nodes; empty otherwise
     void
-    record(const double time, const WallForces<dim> &walls);
+    record(const double           time,
+           const WallForces<dim> &walls,
+           const NodeMotion<dim> &nodes = NodeMotion<dim>());
 
   private:
     struct Curve
@@ -82,6 +98,11 @@ namespace selkie
 
     std::vector<Sums>
     sums_of_curves() const;
+
+    void
+    set_node(const Probe<dim>      &probe,
+             const NodeMotion<dim> &nodes,
+             Statistics            &table) const;
 
     void
     set_means(const Sums &sums, Statistics &table) const;

@@ -23,14 +23,14 @@ namespace selkie
   template <int dim>
   struct ParticleColumns
   {
-    Column<double>                 body;     ///< index into Scene::bodies
-    Column<double>                 mass;     ///< kg (kg/m in 2D)
-    Column<double>                 volume;   ///< reference volume V_0
-    Column<dealii::Tensor<1, dim>> lambda;   ///< LME multiplier, warm start
-    Column<dealii::Tensor<1, dim>> X;        ///< reference position (m)
-    Column<dealii::Tensor<1, dim>> v, a;     ///< with inertia
-    Column<dealii::Tensor<2, dim>> F;        ///< with a solid
-    Column<double>                 J;        ///< with a fluid
+    Column<double>                 body;   ///< index into Scene::bodies
+    Column<double>                 mass;   ///< kg (kg/m in 2D)
+    Column<double>                 volume; ///< reference volume V_0
+    Column<dealii::Tensor<1, dim>> lambda; ///< LME: multiplier, warm start
+    Column<dealii::Tensor<1, dim>> X;      ///< reference position (m)
+    Column<dealii::Tensor<1, dim>> v, a;   ///< with inertia
+    Column<dealii::Tensor<2, dim>> F; ///< with a solid or a Lagrangian mesh
+    Column<double>                 J; ///< with a fluid
     Column<double>                 pressure; ///< with a fluid (Pa), for output
     Column<dealii::Tensor<2, dim>> grad_v;   ///< with TPIC
     Column<double>                 traction_area; ///< with traction (m^2)
@@ -95,6 +95,8 @@ namespace selkie
      * in which the handler iterates at the call, applies the leaving policy,
      * finds the points' cells and sends them to their ranks.
      *
+     * With a Lagrangian mesh points stay in their cells, wherever these go.
+     *
      * A point closer to a wall than wall_margin() is put at that distance.
      * Of the points outside the domain, `keep` puts them there as well (and
      * counts them in `accounting`), `remove` takes them out and books number
@@ -137,6 +139,9 @@ namespace selkie
                     const dealii::ArrayView<double> &properties) const;
     Motion
     plan(const std::vector<dealii::Tensor<1, dim>> &displacements) const;
+    Motion
+    plan_with_mesh(
+      const std::vector<dealii::Tensor<1, dim>> &displacements) const;
     void
     check(const Motion &motion) const;
     void

@@ -26,10 +26,12 @@ namespace selkie
    * inside the shape and then displaced by at most Body::jitter of their
    * spacing a direction, unless that would take them out of the shape. The
    * random numbers depend on cell and body only. Volumes are scaled so that
-   * they sum up to Shape::volume(). Collective.
+   * they sum up to Shape::volume(). With a Lagrangian mesh: the Gauss points
+   * of the cells whose centres lie in the body, Body::points_per_direction a
+   * direction. Collective.
    *
    * Throws SceneError on all ranks when a body gets no point, or when two
-   * bodies claim the same one.
+   * bodies claim the same one, or when finite elements do not fit a body.
    */
   template <int dim>
   std::vector<Seed<dim>>

@@ -21,6 +21,12 @@ namespace selkie
   void
   check_geometry(const Scene<dim> &scene);
 
+  /// The parameters of Domain/Mesh: before the mesh is made.
+  /// @throw SceneError as above.
+  template <int dim>
+  void
+  check_mesh_source(const Scene<dim> &scene);
+
   /// The part of check_scene() that looks at the effects.
   template <int dim>
   void

@@ -18,6 +18,7 @@ namespace selkie
     std::vector<std::string>    bodies;
     std::vector<const LawRow *> laws; ///< one per body
     std::vector<std::string>    refinements, node_sets, tractions, probes;
+    bool imported_mesh = false; ///< whether Domain/Mesh is there
 
     bool
     has_effect(const std::string &name) const;

@@ -25,7 +25,9 @@ namespace selkie
 {
   enum class Approximation
   {
-    lme_mpm
+    lme_mpm, ///< LME functions on the nodes of the background mesh
+    q4_mpm,  ///< hat functions on the background mesh: the classical MPM
+    q4_fem   ///< Lagrangian finite elements: the mesh moves with the matter
   };
 
   /// What the nodes of a wall, a node set or an obstacle do.
@@ -46,6 +48,14 @@ namespace selkie
     std::shared_ptr<VectorExpression<dim>> velocity;     ///< m/s, if prescribed
   };
 
+  /// A mesh that is not the lattice of the domain's box.
+  struct ImportedMesh
+  {
+    std::string  file;                 ///< for dealii::GridIn, e.g. gmsh's .msh
+    std::string  generator, arguments; ///< of dealii::GridGenerator
+    unsigned int global_refinements = 0; ///< of all its cells
+  };
+
   /// The box in which everything happens, and its background mesh.
   template <int dim>
   struct Domain
@@ -53,6 +63,7 @@ namespace selkie
     dealii::Point<dim>             lower, upper; ///< m
     std::array<unsigned int, dim>  cells;        ///< coarsest active cells
     std::array<Wall<dim>, 2 * dim> walls;
+    std::optional<ImportedMesh>    mesh; ///< instead of the box's lattice
     /// Cells that touch the shape are refined this many times more.
     struct Refinement
     {
@@ -100,6 +111,7 @@ namespace selkie
 
   enum class MassKind
   {
+    automatic, ///< until the scene is complete: lumped for MPM
     lumped,
     consistent
   };
@@ -107,7 +119,7 @@ namespace selkie
   /// The effect `inertia`: mass matrix, velocity, acceleration, Newmark.
   struct Inertia
   {
-    MassKind mass          = MassKind::lumped;
+    MassKind mass          = MassKind::automatic;
     double   newmark_beta  = 0.25;
     double   newmark_gamma = 0.5;
   };
@@ -194,6 +206,7 @@ namespace selkie
     enum class Kind
     {
       point,  ///< mean of the points that were within `radius` of `position`
+      node,   ///< the node nearest to `position`; Lagrangian meshes
       region, ///< mean of the points that were inside `shape` at the start
       wall_force, ///< reaction on wall `wall`, N (N/m in 2D)
       front,      ///< largest coordinate `axis` reached by body `body`, m
@@ -248,9 +261,10 @@ namespace selkie
     std::optional<dealii::Tensor<1, dim>>  gravity;    ///< m/s^2
     std::shared_ptr<VectorExpression<dim>> body_force; ///< m/s^2, of X, x, t
     bool                                   viscosity = false;
-    std::optional<FluidPressure>           fluid_pressure;
-    std::vector<Traction<dim>>             tractions;
-    std::vector<Probe<dim>>                probes;
+    bool mean_dilatation = false; ///< of solids, patch by patch
+    std::optional<FluidPressure> fluid_pressure;
+    std::vector<Traction<dim>>   tractions;
+    std::vector<Probe<dim>>      probes;
 
     /// The names of the active effects, in the scene's words.
     std::vector<std::string> effects;
@@ -261,6 +275,14 @@ namespace selkie
 
     /// The same as a .prm, which reads back as this scene: parameters.prm.
     std::string resolved;
+
+    /// Whether the mesh moves with the matter: points stay in their cells and
+    /// nodes keep displacement, velocity and acceleration of their own.
+    bool
+    lagrangian_mesh() const
+    {
+      return approximation == Approximation::q4_fem;
+    }
 
     bool
     has_fluid() const

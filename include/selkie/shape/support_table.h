@@ -19,7 +19,8 @@ namespace selkie
    * A patch of material points has `matter`: mass, weight and transfer are
    * summed over it. A patch over which the internal force is summed has
    * `integration`. Both hold except in full fluid cells, where a second patch
-   * of fixed Gauss points integrates (quadrature.md, section 3).
+   * of fixed Gauss points integrates (quadrature.md, section 3). A patch of a
+   * loaded face of a finite element has `surface` and nothing else.
    */
   template <int dim>
   struct Patch
@@ -30,6 +31,7 @@ namespace selkie
     bool         fluid       = false;
     bool         matter      = true;
     bool         integration = true;
+    bool         surface     = false; ///< points of a loaded face
 
     unsigned int first_point = 0, n_points = 0; ///< in SupportTable::points
     unsigned int first_node = 0, n_nodes = 0;   ///< in SupportTable::nodes
@@ -46,7 +48,7 @@ namespace selkie
     const Law             *law    = nullptr;
     double                 mass   = 0; ///< kg; zero for Gauss points
     double                 volume = 0; ///< reference volume V_0
-    dealii::Tensor<2, dim> F_n;        ///< solids
+    dealii::Tensor<2, dim> F_n;        ///< solids and Lagrangian meshes
     double                 J_n = 1;    ///< fluids
     dealii::Point<dim>     X;          ///< reference position, on request
     double                 traction_area = 0; ///< m^2 (m in 2D), on request
@@ -96,6 +98,7 @@ namespace selkie
       patches.clear();
       points.clear();
       nodes.clear();
+      data.resize_fast(0);
       n_particles           = 0;
       newton_iterations     = 0;
       max_newton_iterations = 0;

@@ -18,6 +18,11 @@ namespace selkie
     /// @throw SceneError unless beta, gamma and dt are positive and finite.
     Newmark(const double beta, const double gamma, const double dt);
 
+
+    /// No inertia: v_{n+1} = du/dt, a_{n+1} = 0. @throw SceneError as above.
+    static Newmark
+    quasi_static(const double dt);
+
     /// The beta that damps high frequencies most for a given
     /// @p gamma >= 1/2: (gamma + 1/2)^2 / 4.
     static double
@@ -51,5 +56,10 @@ namespace selkie
     {
       return dt * v + (0.5 * dt * dt) * a;
     }
+
+  private:
+    struct QuasiStatic
+    {};
+    Newmark(const QuasiStatic, const double dt);
   };
 } // namespace selkie

@@ -6,6 +6,7 @@
 #include <selkie/particles/particle_set.h>
 #include <selkie/shape/support_table.h>
 #include <selkie/time/newmark.h>
+#include <selkie/transfer/nodal_state.h>
 
 namespace selkie
 {
@@ -17,6 +18,8 @@ namespace selkie
    * node had none, from the points' mean.
    *
    * @param stored_pressure of the last step, cloud numbering; NaN where none.
+   * @param nodes of a Lagrangian mesh, whose velocities and accelerations are
+   *        not recovered but kept; else nullptr.
    * @param fields is initialised here on the system's numbering, ghosts
    *        included; fields.x holds zero increments and the pressures.
    */
@@ -28,6 +31,7 @@ namespace selkie
           const double             t_n,
           const double             dt,
           const Vector            &stored_pressure,
+          const NodalState<dim>   *nodes,
           StepFields              &fields);
 
   /// Nodal pressures of the iterate in cloud numbering, NaN where none, with
@@ -65,8 +69,9 @@ namespace selkie
 
   /**
    * Nodes to points, the only writer of point data: positions, velocities
-   * (FLIP or TPIC), accelerations, deformation gradients of solids, and the
-   * reset of fluid points' J from the nodal pressure.
+   * (FLIP or TPIC; interpolated with a Lagrangian mesh), accelerations,
+   * deformation gradients, and the reset of fluid points' J from the nodal
+   * pressure (not with a Lagrangian mesh, where J is exact).
    * @return report, summed over the ranks.
    */
   template <int dim>
