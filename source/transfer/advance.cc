@@ -128,9 +128,7 @@ namespace selkie
         }
       if (fluid)
         {
-          columns.J.set(mine,
-                        scene.lagrangian_mesh() ? point.J_n * determinant(f)
-                                                : at.J);
+          columns.J.set(mine, at.J);
           columns.pressure.set(mine, at.p);
         }
       if (!fluid || scene.lagrangian_mesh())
@@ -174,8 +172,7 @@ namespace selkie
                         particles.scene,
                         properties[point.particle]);
             // In full cells the Gauss points hold the energy.
-            if (patch.fluid && patch.integration &&
-                !particles.scene.lagrangian_mesh())
+            if (patch.fluid && patch.integration)
               {
                 const auto  &law = static_cast<const FluidLaw &>(*point.law);
                 const double moved =

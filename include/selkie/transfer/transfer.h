@@ -71,7 +71,7 @@ namespace selkie
    * Nodes to points, the only writer of point data: positions, velocities
    * (FLIP or TPIC; interpolated with a Lagrangian mesh), accelerations,
    * deformation gradients, and the reset of fluid points' J from the nodal
-   * pressure (not with a Lagrangian mesh, where J is exact).
+   * pressure.
    * @return report, summed over the ranks.
    */
   template <int dim>
