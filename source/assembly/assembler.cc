@@ -98,6 +98,7 @@ namespace selkie
     state.time  = &time;
     state.h     = patch.cell->extent_in_direction(0);
     state.forms.assign(patch.n_points, PointForm<dim>());
+    state.mean.gradient.clear();
     state.kinematics.resize(patch.n_points);
     state.acceleration.resize(needs.acceleration ? patch.n_points : 0);
     state.increment.resize(needs.increment ? patch.n_points : 0);

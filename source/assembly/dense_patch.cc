@@ -88,6 +88,46 @@ namespace selkie
               }
           }
       }
+    if (!state.mean.gradient.empty())
+      {
+        const auto g = mean_vector(state, state.mean.gradient);
+        for (unsigned int i = 0; i < g.size(); ++i)
+          force[i] += state.mean.force * g[i];
+      }
+  }
+
+  template <int dim>
+  AlignedVector<double>
+  DensePatch<dim>::mean_vector(const PatchState<dim>             &state,
+                               const std::vector<Tensor<2, dim>> &tensors) const
+  {
+    AlignedVector<double> sum(dim * n_padded);
+    for (unsigned int q = 0; q < state.patch->n_points; ++q)
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          {
+            const double *G = state.table->gradient(*state.patch, q, j);
+            for (unsigned int a = 0; a < n_padded; ++a)
+              sum[i * n_padded + a] += tensors[q][i][j] * G[a];
+          }
+    return sum;
+  }
+
+  template <int dim>
+  void
+  DensePatch<dim>::add_mean_block(const PatchState<dim> &state)
+  {
+    const auto   g = mean_vector(state, state.mean.gradient);
+    const auto   E = mean_vector(state, state.mean.coupling);
+    const double s = state.mean.stiffness;
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          const double g_a = g[i * n_padded + a], E_a = E[i * n_padded + a];
+          double      *row = const_cast<double *>(this->row(a, i));
+          for (unsigned int b = 0; b < dim * n_padded; ++b)
+            row[b] += (E_a + s * g_a) * g[b] + g_a * E[b];
+        }
   }
 
   namespace
@@ -204,6 +244,8 @@ namespace selkie
       fill_block<dim, dim + 1>(state, n_padded, block.data());
     else
       fill_block<dim, dim>(state, n_padded, block.data());
+    if (!state.mean.gradient.empty())
+      add_mean_block(state);
   }
 
   template class DensePatch<2>;

@@ -1,3 +1,4 @@
+#include <selkie/laws/isochoric_neo_hookean.h>
 #include <selkie/laws/law_table.h>
 #include <selkie/laws/mooney_rivlin.h>
 #include <selkie/laws/neo_hookean.h>
@@ -133,6 +134,12 @@ namespace selkie
        "Lambda/4 (J^2 - 1 - 2 ln J). The solid of choice at large strain.",
        &declare_elastic_constants,
        &create_elastic<NeoHookean>},
+      {"isochoric neo hookean",
+       "Neo-Hookean solid with decoupled shape and volume changes, W = "
+       "G/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 ln J), K = Lambda + 2/3 G: "
+       "the law of deal.II's examples, for nearly incompressible solids.",
+       &declare_elastic_constants,
+       &create_elastic<IsochoricNeoHookean>},
       {"saint venant kirchhoff",
        "Stress linear in the Green-Lagrange strain: for large rotations and "
        "small strains. It softens and fails in strong compression.",

@@ -5,6 +5,7 @@
 #include <deal.II/base/mpi.templates.h> // all_reduce of own types
 
 #include <algorithm>
+#include <cmath>
 
 namespace selkie
 {
@@ -53,6 +54,21 @@ namespace selkie
         dealii::cross_product_3d(extend<dim>(x), momentum);
     }
 
+    /// The deformation gradient that a solid's law saw: F or, with mean
+    /// dilatation, (Jbar / J)^{1/3} F.
+    template <int dim>
+    Tensor<2, 3>
+    elastic_gradient(const ParticleSet<dim>                &particles,
+                     const dealii::ArrayView<const double> &properties,
+                     const double                           J)
+    {
+      const auto        &columns = particles.columns;
+      const Tensor<2, 3> F       = extend(columns.F(properties));
+      return columns.mean_J.exists()
+               ? Tensor<2, 3>(std::cbrt(columns.mean_J(properties) / J) * F)
+               : F;
+    }
+
     /// Adds a point's volume and stored energy.
     template <int dim>
     void
@@ -71,7 +87,7 @@ namespace selkie
       double energy = std::numeric_limits<double>::infinity();
       if (J > 0. && law.solid)
         energy = law.solid->energy(
-          invariants(extend(particles.columns.F(properties))));
+          invariants(elastic_gradient(particles, properties, J)));
       else if (J > 0. && law.fluid)
         energy = law.fluid->energy(J);
       (law.solid ? sum.strain : sum.compression) += V_0 * energy;

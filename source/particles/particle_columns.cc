@@ -77,15 +77,17 @@ namespace selkie
     const char *V_unit = dim == 2 ? "m^2" : "m^3";
     const char *A_unit = dim == 2 ? "m" : "m^2";
 
-    body     = fields.add<double>("body", "", true);
-    mass     = fields.add<double>("mass", m_unit, true);
-    volume   = fields.add<double>("reference volume", V_unit, true);
-    lambda   = add_if<Vector>(lme, fields, "LME multiplier", "1/m", false);
-    X        = add_if<Vector>(starts, fields, "reference position", "m", true);
-    v        = add_if<Vector>(moves, fields, "velocity", "m/s", true);
-    a        = add_if<Vector>(moves, fields, "acceleration", "m/s^2", false);
-    F        = add_if<Matrix>(shape, fields, "deformation gradient", "", true);
-    J        = add_if<double>(fluid, fields, "volume ratio", "", true);
+    body   = fields.add<double>("body", "", true);
+    mass   = fields.add<double>("mass", m_unit, true);
+    volume = fields.add<double>("reference volume", V_unit, true);
+    lambda = add_if<Vector>(lme, fields, "LME multiplier", "1/m", false);
+    X      = add_if<Vector>(starts, fields, "reference position", "m", true);
+    v      = add_if<Vector>(moves, fields, "velocity", "m/s", true);
+    a      = add_if<Vector>(moves, fields, "acceleration", "m/s^2", false);
+    F      = add_if<Matrix>(shape, fields, "deformation gradient", "", true);
+    J      = add_if<double>(fluid, fields, "volume ratio", "", true);
+    mean_J = add_if<double>(
+      scene.mean_dilatation, fields, "mean volume ratio", "", true);
     pressure = add_if<double>(fluid, fields, "pressure", "Pa", true);
     grad_v   = add_if<Matrix>(tpic, fields, "velocity gradient", "1/s", false);
     traction_area =

@@ -154,6 +154,8 @@ namespace selkie
       columns.F.set(properties, dealii::unit_symmetric_tensor<dim>());
     if (columns.J.exists())
       columns.J.set(properties, 1.);
+    if (columns.mean_J.exists())
+      columns.mean_J.set(properties, 1.);
   }
 
 

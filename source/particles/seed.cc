@@ -103,9 +103,9 @@ namespace selkie
     /// Says that two bodies claim a point, or nothing.
     template <int dim>
     std::string
-    overlap(const Scene<dim>         &scene,
-            const unsigned int        body,
-            const dealii::Point<dim> &x)
+    claimed_twice(const Scene<dim>         &scene,
+                  const unsigned int        body,
+                  const dealii::Point<dim> &x)
     {
       for (unsigned int other = 0; other < scene.bodies.size(); ++other)
         if (other != body && scene.bodies[other].shape->contains(x))
@@ -159,7 +159,7 @@ namespace selkie
           const auto reference = inside ? moved : regular;
           const auto x         = in_cell(lower, upper, reference);
           if (error.empty())
-            error = overlap(scene, b, x);
+            error = claimed_twice(scene, b, x);
           seeds.push_back({cell, x, reference, b, volume, 0});
         }
     }
@@ -177,7 +177,7 @@ namespace selkie
       if (!scene.bodies[b].shape->contains(cell->center()))
         return;
       if (error.empty())
-        error = overlap(scene, b, cell->center());
+        error = claimed_twice(scene, b, cell->center());
       const dealii::FE_Q<dim>      element(1);
       const dealii::QGauss<dim>    gauss(scene.bodies[b].points_per_direction);
       const dealii::MappingQ1<dim> mapping;

@@ -17,7 +17,8 @@ namespace selkie
     if (scene.inertia)
       terms.push_back(make_inertia<dim>(*scene.inertia));
     if (has_solid)
-      terms.push_back(make_elasticity<dim>());
+      terms.push_back(scene.mean_dilatation ? make_mean_dilatation<dim>()
+                                            : make_elasticity<dim>());
     if (scene.fluid_pressure)
       terms.push_back(make_fluid_pressure<dim>());
     if (scene.fluid_pressure && scene.fluid_pressure->ppp_alpha > 0.)

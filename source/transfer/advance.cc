@@ -136,6 +136,28 @@ namespace selkie
     }
   } // namespace
 
+  namespace
+  {
+    /// The volume ratio of a solid's patch at the end of the step.
+    template <int dim>
+    double
+    mean_volume_ratio(const SupportTable<dim>              &table,
+                      const Patch<dim>                     &patch,
+                      const std::vector<Interpolated<dim>> &values)
+    {
+      double V_0 = 0., V = 0.;
+      for (unsigned int q = 0; q < patch.n_points; ++q)
+        {
+          const auto          &point = table.points[patch.first_point + q];
+          const Tensor<2, dim> f =
+            unit_symmetric_tensor<dim>() + values[point.particle].grad_du;
+          V_0 += point.volume;
+          V += point.volume * determinant(Tensor<2, dim>(f * point.F_n));
+        }
+      return V / V_0;
+    }
+  } // namespace
+
   template <int dim>
   AdvanceReport
   advance(ParticleSet<dim>        &particles,
@@ -157,6 +179,7 @@ namespace selkie
     for (auto &particle : particles.handler())
       properties.push_back(particle.get_properties());
 
+    const auto   &columns = particles.columns;
     AdvanceReport report;
     for (const auto &patch : table.patches)
       if (patch.matter)
@@ -171,6 +194,9 @@ namespace selkie
                         patch.fluid && patch.n_points < lone_points,
                         particles.scene,
                         properties[point.particle]);
+            if (columns.mean_J.exists() && !patch.fluid)
+              columns.mean_J.set(properties[point.particle],
+                                 mean_volume_ratio(table, patch, values));
             // In full cells the Gauss points hold the energy.
             if (patch.fluid && patch.integration)
               {

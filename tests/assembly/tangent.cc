@@ -42,7 +42,14 @@ namespace
       const auto occupancy = find_occupancy(particles, *cloud, gauss);
       fill_material_points(particles, *cloud, occupancy, table);
       system->reinit(occupancy, table);
-      project(particles, table, *system, 0., time.newmark.dt, stored, fields);
+      project(particles,
+              table,
+              *system,
+              0.,
+              time.newmark.dt,
+              stored,
+              static_cast<const NodalState<dim> *>(nullptr),
+              fields);
       if (gauss)
         {
           store_pressure(*system, fields, stored);
@@ -134,6 +141,14 @@ TEST(Tangent, PressureColumns)
 TEST(Tangent, ConsistentMass)
 {
   Problem<2> problem(small_scenes::free_block(), {"Inertia/Mass=consistent"});
+  check_direction(problem, false);
+}
+
+TEST(Tangent, MeanDilatation)
+{
+  std::string text = small_scenes::free_block();
+  text.insert(0, "set Effects = inertia, mean dilatation\n");
+  Problem<2> problem(text);
   check_direction(problem, false);
 }
 

@@ -1,3 +1,4 @@
+#include <selkie/laws/isochoric_neo_hookean.h>
 #include <selkie/laws/mooney_rivlin.h>
 #include <selkie/laws/neo_hookean.h>
 #include <selkie/laws/saint_venant_kirchhoff.h>
@@ -37,6 +38,18 @@ namespace
     const Number tr_C = trace(transpose(F) * F);
     return G / 2. * (tr_C - 3.) - G * log(J) +
            L / 4. * (J * J - 1. - 2. * log(J));
+  }
+
+  template <typename Number>
+  Number
+  isochoric_energy(const Tensor<2, 3, Number> &F)
+  {
+    using std::log;
+    using std::pow;
+    const Number J    = determinant(F);
+    const Number tr_C = trace(transpose(F) * F);
+    return G / 2. * (tr_C * pow(J, -2. / 3.) - 3.) +
+           (L + 2. / 3. * G) / 4. * (J * J - 1. - 2. * log(J));
   }
 
   template <typename Number>
@@ -82,6 +95,11 @@ namespace
              &neo_hookean_energy<double>,
              &neo_hookean_energy<Dual>,
              &neo_hookean_energy<DualDual>},
+            {"isochoric neo hookean",
+             std::make_shared<IsochoricNeoHookean>(E, nu, rho),
+             &isochoric_energy<double>,
+             &isochoric_energy<Dual>,
+             &isochoric_energy<DualDual>},
             {"saint venant kirchhoff",
              std::make_shared<SaintVenantKirchhoff>(E, nu, rho),
              &saint_venant_kirchhoff_energy<double>,

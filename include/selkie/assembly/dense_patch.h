@@ -51,6 +51,13 @@ namespace selkie
     }
 
   private:
+    /// sum_q tensors_q G_a, component-major like force.
+    dealii::AlignedVector<double>
+    mean_vector(const PatchState<dim>                     &state,
+                const std::vector<dealii::Tensor<2, dim>> &tensors) const;
+    void
+    add_mean_block(const PatchState<dim> &state);
+
     dealii::AlignedVector<double> block;
   };
 } // namespace selkie

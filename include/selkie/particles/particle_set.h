@@ -31,8 +31,9 @@ namespace selkie
     Column<dealii::Tensor<1, dim>> v, a;   ///< with inertia
     Column<dealii::Tensor<2, dim>> F; ///< with a solid or a Lagrangian mesh
     Column<double>                 J; ///< with a fluid
-    Column<double>                 pressure; ///< with a fluid (Pa), for output
-    Column<dealii::Tensor<2, dim>> grad_v;   ///< with TPIC
+    Column<double> mean_J;            ///< of the patch, with mean dilatation
+    Column<double> pressure;          ///< with a fluid (Pa), for output
+    Column<dealii::Tensor<2, dim>> grad_v;        ///< with TPIC
     Column<double>                 traction_area; ///< with traction (m^2)
 
     ParticleColumns(const Scene<dim> &scene, ParticleFields &fields);

@@ -77,6 +77,21 @@ namespace selkie
     }
   };
 
+  /**
+   * A form in the mean gradient of a patch, for terms that need one; empty
+   * otherwise. With gbar_a = sum_q gradient_q G_a and
+   * E_a = sum_q coupling_q G_a:
+   *
+   *   R_a  += force gbar_a
+   *   K_ab += E_a (x) gbar_b + gbar_a (x) E_b + stiffness gbar_a (x) gbar_b
+   */
+  template <int dim>
+  struct MeanForm
+  {
+    std::vector<dealii::Tensor<2, dim>> gradient, coupling; ///< by point
+    double                              force = 0, stiffness = 0;
+  };
+
   /// Time and its discretisation during a step.
   struct StepTime
   {
@@ -103,6 +118,7 @@ namespace selkie
     std::vector<dealii::Tensor<1, dim>> acceleration; ///< on request
     std::vector<dealii::Tensor<1, dim>> increment;    ///< on request
     std::vector<PointForm<dim>>         forms;
+    MeanForm<dim>                       mean;
 
     const StepPoint<dim> &
     point(const unsigned int q) const

@@ -25,6 +25,10 @@ namespace selkie
 
   template <int dim>
   std::unique_ptr<const Term<dim>>
+  make_mean_dilatation();
+
+  template <int dim>
+  std::unique_ptr<const Term<dim>>
   make_fluid_pressure();
 
   template <int dim>

@@ -1,0 +1,59 @@
+#include <selkie/laws/isochoric_neo_hookean.h>
+
+#include <cmath>
+
+namespace selkie
+{
+  IsochoricNeoHookean::IsochoricNeoHookean(const double E,
+                                           const double nu,
+                                           const double rho)
+    : lame(lame_constants(E, nu))
+    , rho(rho)
+  {
+    check_positive("Density", rho);
+  }
+
+
+  double
+  IsochoricNeoHookean::density() const
+  {
+    return rho;
+  }
+
+
+  double
+  IsochoricNeoHookean::sound_speed() const
+  {
+    return std::sqrt((lame.Lambda + 2. * lame.G) / rho);
+  }
+
+
+  double
+  IsochoricNeoHookean::energy(const Invariants &invariants) const
+  {
+    const double J = invariants.J;
+    check_not_inverted(J);
+    const double K = lame.Lambda + 2. / 3. * lame.G;
+    return 0.5 * lame.G * (std::pow(J, -2. / 3.) * invariants.I1 - 3.) +
+           0.25 * K * (J * J - 1. - 2. * std::log(J));
+  }
+
+
+  HyperelasticResponse
+  IsochoricNeoHookean::response(const Invariants &invariants) const
+  {
+    const double J = invariants.J;
+    check_not_inverted(J);
+    const double K     = lame.Lambda + 2. / 3. * lame.G;
+    const double shape = std::pow(J, -2. / 3.);
+
+    EnergyDerivatives w;
+    w.W1  = 0.5 * lame.G * shape;
+    w.W1J = -1. / 3. * lame.G * shape / J;
+    w.WJ =
+      -1. / 3. * lame.G * shape / J * invariants.I1 + 0.5 * K * (J - 1. / J);
+    w.WJJ = 5. / 9. * lame.G * shape / (J * J) * invariants.I1 +
+            0.5 * K * (1. + 1. / (J * J));
+    return response_from(w, invariants);
+  }
+} // namespace selkie
