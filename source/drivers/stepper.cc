@@ -397,10 +397,10 @@ namespace selkie
   void
   Stepper<dim>::start(const double t, const double dt)
   {
-    if (!scene.inertia)
-      return;
     const StepTime time{t, newmark(dt)};
     build_supports(t, dt);
+    if (!scene.inertia)
+      return;
     // The residual of the state at t_n itself: fields for which Newmark's
     // formulas at du = 0 give no acceleration and the velocity v_n.
     const Newmark &n         = time.newmark;

@@ -147,7 +147,7 @@ TEST(Tangent, ConsistentMass)
 TEST(Tangent, MeanDilatation)
 {
   std::string text = small_scenes::free_block();
-  text.insert(0, "set Effects = inertia, mean dilatation\n");
+  text.replace(text.find("= inertia"), 9, "= inertia, mean dilatation");
   Problem<2> problem(text);
   check_direction(problem, false);
 }
