@@ -23,6 +23,8 @@ namespace selkie
         result.command = Command::run;
       else if (word == "check")
         result.command = Command::check;
+      else if (word == "compare")
+        result.command = Command::compare;
       else if (word == "parameters")
         result.command = Command::parameters;
       else if (word == "resume" || word == "study" || word == "report")
@@ -53,6 +55,22 @@ namespace selkie
     is_option(const std::string &argument, const std::string &option)
     {
       return argument == option || argument.rfind(option + "=", 0) == 0;
+    }
+
+
+    void
+    read_compare_argument(const std::vector<std::string> &arguments,
+                          unsigned int                   &i,
+                          CommandLine                    &result)
+    {
+      const std::string &argument = arguments[i];
+      if (is_option(argument, "--output"))
+        result.output = option_value(arguments, "--output", i);
+      else if (argument.rfind("-", 0) == 0)
+        throw SceneError("unknown option '" + argument +
+                         "' for 'compare'; allowed is --output; " + usage);
+      else
+        result.folders.push_back(argument);
     }
 
 
@@ -106,6 +124,17 @@ namespace selkie
         return result;
       }
     unsigned int i = read_command(arguments[0], result) ? 1 : 0;
+    if (result.command == Command::compare)
+      {
+        for (; i < arguments.size(); ++i)
+          read_compare_argument(arguments, i, result);
+        if (result.folders.size() != 2)
+          throw SceneError("'compare' needs the output folders of two runs, "
+                           "but " +
+                           std::to_string(result.folders.size()) +
+                           " were given; " + usage);
+        return result;
+      }
     for (; i < arguments.size(); ++i)
       read_argument(arguments, i, result);
     if (result.command != Command::parameters && result.file.empty())
@@ -121,12 +150,14 @@ namespace selkie
 
   selkie [run] FILE.prm   run a scene
   selkie check FILE.prm   check a scene and say what a run would cost; run nothing
+  selkie compare A B      say what two finished runs differ in: their output folders
   selkie parameters       print all parameters with their defaults
   selkie --help           print this text
   selkie --version        print the version
 
   --set 'Section/Name=value'   a value stronger than the file's; may be repeated
-  --output DIR                 where to write; default: output/ and the file's name
+  --output DIR                 where to write; default: output/ and the file's name;
+                               'compare': A/compare_ and the name of B
   --markdown                   with 'parameters': as Markdown (doc/parameters.md)
 
 For several processes: mpirun -np N selkie ...

@@ -1,6 +1,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/command_line.h>
 #include <selkie/drivers/simulation.h>
+#include <selkie/output/compare.h>
 #include <selkie/scene/read_scene.h>
 
 #include <deal.II/base/mpi.h>
@@ -35,6 +36,19 @@ namespace
   }
 
 
+  /// Compares two runs, writes what it found and returns the table.
+  std::string
+  compare(const CommandLine &command_line, const MPI_Comm comm)
+  {
+    if (dealii::Utilities::MPI::n_mpi_processes(comm) > 1)
+      throw SceneError("'compare' runs as one process; leave out mpirun");
+    const Comparison comparison =
+      compare_runs(command_line.folders[0], command_line.folders[1]);
+    const std::string path = write_comparison(comparison, command_line.output);
+    return comparison_table(comparison) + "\nWritten to " + path + '\n';
+  }
+
+
   int
   execute(const std::vector<std::string> &arguments, const MPI_Comm comm)
   {
@@ -53,6 +67,8 @@ namespace
           return print(help_text());
         case Command::version:
           return print(version_text());
+        case Command::compare:
+          return print(compare(command_line, comm));
         case Command::parameters:
           return print(parameter_reference(command_line.markdown));
         case Command::run:

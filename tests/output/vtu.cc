@@ -1,12 +1,16 @@
 // Boost 1.74's property tree notes its own use of bind otherwise.
 #define BOOST_BIND_GLOBAL_PLACEHOLDERS
+#include <selkie/base/exceptions.h>
+#include <selkie/output/files.h>
 #include <selkie/output/vtu.h>
+#include <selkie/output/vtu_reader.h>
 
 #include <boost/property_tree/xml_parser.hpp>
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "../temporary_folder.h"
@@ -126,6 +130,74 @@ TEST(VtuMPI, FluidInOneCellLeavesRanksWithoutPoints)
     std::make_shared<Block<2>>(dealii::Point<2>(),
                                dealii::Point<2>(0.125, 0.125));
   check_particles<2>(scene, false);
+}
+
+TEST(VtuMPI, ReaderGetsBackWhatWasWritten)
+{
+  const OutputFolder folder;
+  Matter<2>          matter(two_blocks<2>());
+  matter.set_state(dealii::Tensor<1, 2>({0.3, -0.2}),
+                   2.,
+                   dealii::Tensor<2, 2>({{1.1, 0.2}, {0., 0.9}}),
+                   0.95);
+  VtuWriter<2> writer(folder.path, matter.particles);
+  writer.write(0.25, 0, nullptr);
+  MPI_Barrier(MPI_COMM_WORLD);
+
+  const auto files = read_pvd(folder.path + "/particles.pvd");
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0].first, 0.25);
+  const PointData data = read_points(files[0].second);
+  ASSERT_EQ(data.positions.size(),
+            matter.particles.handler().n_global_particles());
+
+  const PointField *const id = data.find("id"), *v = data.find("velocity");
+  const PointField *const F = data.find("deformation gradient");
+  ASSERT_TRUE(id && v && F);
+  EXPECT_EQ(v->unit, "m/s");
+  EXPECT_EQ(data.find("no such field"), nullptr);
+  std::map<double, std::size_t> places;
+  for (std::size_t p = 0; p < data.positions.size(); ++p)
+    places[(*id)(p)] = p;
+  for (const auto &point : matter.particles.handler())
+    {
+      const std::size_t p = places.at(point.get_id());
+      const auto velocity = matter.particles.columns.v(point.get_properties());
+      const auto gradient = matter.particles.columns.F(point.get_properties());
+      for (unsigned int i = 0; i < 2; ++i)
+        {
+          EXPECT_NEAR(data.positions[p][i], point.get_location()[i], 1e-7);
+          EXPECT_NEAR((*v)(p, i), velocity[i], 1e-6);
+          for (unsigned int j = 0; j < 2; ++j)
+            EXPECT_NEAR((*F)(p, 3 * i + j), gradient[i][j], 1e-6);
+        }
+    }
+}
+
+TEST(VtuReader, NamesAFileThatIsCutOff)
+{
+  const OutputFolder folder;
+  Matter<2>          matter(two_blocks<2>(), MPI_COMM_SELF);
+  VtuWriter<2>       writer(folder.path, matter.particles);
+  writer.write(0., 0, nullptr);
+  const std::string piece = folder.path + "/solution/particles_0000.0.vtu";
+  const std::string whole = read_text(piece);
+  const auto        array = whole.find("AQAAA"); // its base64
+  for (const std::string &text :
+       {whole.substr(0, 2000),
+        whole.substr(0, array + 40) + whole.substr(array + 48)})
+    {
+      write_text(piece, text);
+      try
+        {
+          read_points(folder.path + "/solution/particles_0000.pvtu");
+          ADD_FAILURE();
+        }
+      catch (const SceneError &error)
+        {
+          EXPECT_NE(std::string(error.what()).find(piece), std::string::npos);
+        }
+    }
 }
 
 TEST(VtuMPI, MeshHasNodalFields)

@@ -12,6 +12,7 @@ namespace selkie
     {
       run,        ///< read, check and run a scene
       check,      ///< read and check it, say what a run would cost
+      compare,    ///< say what two finished runs differ in
       parameters, ///< print the reference of all parameters
       help,
       version
@@ -20,6 +21,8 @@ namespace selkie
     std::string              file;
     std::vector<std::string> overrides; ///< --set and --output
     bool                     markdown = false;
+    std::vector<std::string> folders; ///< of the two runs to be compared
+    std::string              output;  ///< where their comparison is written
   };
 
   /// @param arguments without the program's name
