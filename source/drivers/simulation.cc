@@ -37,6 +37,18 @@ namespace selkie
       std::unique_ptr<NodeCloud<dim>>                            cloud;
     };
 
+    /// Points of a Lagrangian mesh stay in their cells: they may move any
+    /// distance in a step.
+    template <int dim>
+    TimeParameters
+    time_parameters(const Scene<dim> &scene)
+    {
+      TimeParameters parameters = scene.time;
+      if (scene.lagrangian_mesh())
+        parameters.max_move = std::numeric_limits<double>::infinity();
+      return parameters;
+    }
+
     /// One step, tried again with smaller ones until it succeeds. Throws
     /// NumericalFailure when the smallest step fails, too.
     template <int dim>
@@ -76,7 +88,7 @@ namespace selkie
       scene, particles, *setup->cloud, timers, [&log](const std::string &text) {
         log.line("  " + text);
       });
-    TimeControl time(scene.time, setup->cloud->smallest_spacing());
+    TimeControl time(time_parameters(scene), setup->cloud->smallest_spacing());
 
     stepper.start(time.now(), time.step());
     output.start(particles, stepper);
@@ -110,7 +122,7 @@ namespace selkie
     Setup<dim>   setup(scene, comm);
     Stepper<dim> stepper(
       scene, setup.particles, *setup.cloud, timers, [](const std::string &) {});
-    TimeControl time(scene.time, setup.cloud->smallest_spacing());
+    TimeControl time(time_parameters(scene), setup.cloud->smallest_spacing());
     stepper.start(time.now(), time.step());
     const double begin  = timers.wall_time();
     const auto   report = stepper.step(time.now(), time.step());

@@ -227,13 +227,14 @@ namespace selkie
     const double forces =
       std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
 
-    // Round-off of strains of order 1 is the least that can be asked for.
+    // Round-off of strains of order 1, summed over the points around a node
+    // (some 8), is the least that can be asked for.
     double stiffness = 0.;
     for (const auto &body : scene.bodies)
       stiffness =
         std::max(stiffness,
                  body.law->density() * std::pow(body.law->sound_speed(), 2));
-    const double round_off = std::numeric_limits<double>::epsilon() *
+    const double round_off = 8. * std::numeric_limits<double>::epsilon() *
                              stiffness *
                              std::pow(cloud.smallest_spacing(), dim - 1) *
                              std::sqrt(double(unknowns.n_global()));
