@@ -9,295 +9,301 @@ namespace selkie
   using dealii::Point;
   using dealii::Tensor;
 
-  /// Named, for unity builds: lme.cc has thresholds of the same names.
+  /// Named, for unity builds: lme.cc has thresholds of the same names. Without
+  /// a name as well, which lets the compiler inline more: 10 % in 3D.
   namespace tensor_product
   {
-    using V                              = simd::Native; // the lanes are points
-    constexpr unsigned int lanes         = simd::n_lanes<V>;
-    constexpr unsigned int max_line      = 32;   // nodes
-    constexpr double       max_gamma     = 500.; // gamma (n-1)^2
-    constexpr unsigned int max_steps     = 12;
-    constexpr double       longest_step  = 4.;
-    constexpr double       accurate_step = 1e-9; // nothing left to gain
-    constexpr double       wall_variance = 1e-4; // less than this near a wall
-
-    /// 1 in the lanes where the condition holds, else 0.
-    template <class Condition>
-    inline V
-    indicator(const Condition &condition)
+    namespace
     {
-      return condition ? simd::all<V>(1.) : V{};
-    }
+      using V                          = simd::Native; // the lanes are points
+      constexpr unsigned int lanes     = simd::n_lanes<V>;
+      constexpr unsigned int max_line  = 32;   // nodes
+      constexpr double       max_gamma = 500.; // gamma (n-1)^2
+      constexpr unsigned int max_steps = 12;
+      constexpr double       longest_step  = 4.;
+      constexpr double       accurate_step = 1e-9; // nothing left to gain
+      constexpr double       wall_variance = 1e-4; // less than this near a wall
 
-    /**
-     * The one-dimensional functions of several points along one direction of
-     * the box, in units of h: t is the distance from node 0 and nu = lambda h.
-     * The weight of node i is exp(-gamma (t-i)^2 + nu (t-i)), relative to that
-     * of node 0.
-     */
-    struct Line
-    {
-      V            t, nu;
-      double       gamma, decay;
-      unsigned int n_nodes;
-
-      V ratio;                    // weight of node 1 / weight of node 0
-      V Z, r, variance, skewness; // the sums (L11)
-
-      /// The sums at nu.
-      void
-      evaluate()
+      /// 1 in the lanes where the condition holds, else 0.
+      template <class Condition>
+      inline V
+      indicator(const Condition &condition)
       {
-        ratio   = simd::vexp(V(gamma * (t + t - 1.) - nu));
-        V third = {};
-        Z = r = variance = V{};
-        for_each_node([&](unsigned int, const V &w, const V &u) {
-          const V wu = w * u, wuu = wu * u;
-          Z += w;
-          r += wu;
-          variance += wuu;
-          third += wuu * u;
-        });
-        const V factor = 1. / Z, second = variance * factor;
-        r *= factor;
-        variance = second - r * r;
-        skewness = third * factor - r * (2. * variance + second);
+        return condition ? simd::all<V>(1.) : V{};
       }
 
-      /// Halley's step (L13).
-      V
-      step() const
+      /**
+       * The one-dimensional functions of several points along one direction of
+       * the box, in units of h: t is the distance from node 0 and nu = lambda
+       * h. The weight of node i is exp(-gamma (t-i)^2 + nu (t-i)), relative to
+       * that of node 0.
+       */
+      struct Line
       {
-        return -2. * r * variance / (2. * variance * variance - r * skewness);
-      }
+        V            t, nu;
+        double       gamma, decay;
+        unsigned int n_nodes;
 
-      /// Call f(i, weight, t - i) for the nodes, by the recurrence (L12).
-      template <class Function>
-      void
-      for_each_node(const Function &f) const
-      {
-        V w = simd::all<V>(1.), rho = ratio, u = t;
+        V ratio;                    // weight of node 1 / weight of node 0
+        V Z, r, variance, skewness; // the sums (L11)
+
+        /// The sums at nu.
+        void
+        evaluate()
+        {
+          ratio   = simd::vexp(V(gamma * (t + t - 1.) - nu));
+          V third = {};
+          Z = r = variance = V{};
+          for_each_node([&](unsigned int, const V &w, const V &u) {
+            const V wu = w * u, wuu = wu * u;
+            Z += w;
+            r += wu;
+            variance += wuu;
+            third += wuu * u;
+          });
+          const V factor = 1. / Z, second = variance * factor;
+          r *= factor;
+          variance = second - r * r;
+          skewness = third * factor - r * (2. * variance + second);
+        }
+
+        /// Halley's step (L13).
+        V
+        step() const
+        {
+          return -2. * r * variance / (2. * variance * variance - r * skewness);
+        }
+
+        /// Call f(i, weight, t - i) for the nodes, by the recurrence (L12).
+        template <class Function>
+        void
+        for_each_node(const Function &f) const
+        {
+          V w = simd::all<V>(1.), rho = ratio, u = t;
 #pragma GCC unroll 1
-        for (unsigned int i = 0; i < n_nodes; ++i)
+          for (unsigned int i = 0; i < n_nodes; ++i)
+            {
+              f(i, w, u);
+              w *= rho;
+              rho *= decay;
+              u -= 1.;
+            }
+        }
+      };
+
+      /// The one-dimensional functions and gradients (1/m), node by node.
+      struct LineValues
+      {
+        V N[max_line], grad[max_line];
+
+        /// From the converged weights, by (L6).
+        void
+        fill(const Line &line, const double h)
+        {
+          const V factor = 1. / line.Z, slope = (-1. / h) / line.variance;
+          line.for_each_node([&](const unsigned int i, const V &w, const V &u) {
+            N[i]    = w * factor;
+            grad[i] = N[i] * u * slope;
+          });
+          // Products are computed with whole vectors: rubbish would be slow.
+          for (unsigned int i = line.n_nodes; i < lme_padded(line.n_nodes); ++i)
+            N[i] = grad[i] = V{};
+        }
+      };
+
+      /// What consecutive nodes have for one of the points. The vector is put
+      /// together in registers: to load what was just stored in pieces stalls.
+      inline V
+      row(const V *nodes, const unsigned int point)
+      {
+        V v = {};
+        for (unsigned int l = 0; l < lanes; ++l)
+          v[l] = nodes[l][point];
+        return v;
+      }
+
+      /// Store up to n <= lanes entries; rubbish may follow up to room.
+      inline void
+      store_row(const V           &v,
+                const unsigned int n,
+                const unsigned int room,
+                double            *to)
+      {
+        if (lanes <= room)
+          simd::store(v, to);
+        else
           {
-            f(i, w, u);
-            w *= rho;
-            rho *= decay;
-            u -= 1.;
+            const V part = v; // v itself stays in a register: 10 % faster
+            for (unsigned int l = 0; l < n; ++l)
+              to[l] = part[l];
           }
       }
-    };
 
-    /// The one-dimensional functions and gradients (1/m), node by node.
-    struct LineValues
-    {
-      V N[max_line], grad[max_line];
-
-      /// From the converged weights, by (L6).
-      void
-      fill(const Line &line, const double h)
+      /// A batch of points, at most one in each lane.
+      template <int dim>
+      class Batch
       {
-        const V factor = 1. / line.Z, slope = (-1. / h) / line.variance;
-        line.for_each_node([&](const unsigned int i, const V &w, const V &u) {
-          N[i]    = w * factor;
-          grad[i] = N[i] * u * slope;
-        });
-        // Products are computed with whole vectors: rubbish would be slow.
-        for (unsigned int i = line.n_nodes; i < lme_padded(line.n_nodes); ++i)
-          N[i] = grad[i] = V{};
-      }
-    };
+      public:
+        /// n points from x on, which start from lambda. Spare lanes repeat the
+        /// first point.
+        Batch(const LmeNodes<dim>  &nodes,
+              const Point<dim>     *x,
+              const Tensor<1, dim> *lambda,
+              const unsigned int    n);
 
-    /// What consecutive nodes have for one of the points. The vector is put
-    /// together in registers: to load what was just stored in pieces stalls.
-    inline V
-    row(const V *nodes, const unsigned int point)
-    {
-      V v = {};
-      for (unsigned int l = 0; l < lanes; ++l)
-        v[l] = nodes[l][point];
-      return v;
-    }
+        /// Halley's iteration for all points.
+        void
+        solve(const double tolerance);
 
-    /// Store up to n <= lanes entries; rubbish may follow up to room.
-    inline void
-    store_row(const V           &v,
-              const unsigned int n,
-              const unsigned int room,
-              double            *to)
-    {
-      if (lanes <= room)
-        simd::store(v, to);
-      else
+        /// The number of steps of a point, 0 if it is left to lme_evaluate():
+        /// slow convergence, or a wall is near.
+        unsigned int
+        n_steps(const unsigned int point) const
         {
-          const V part = v; // v itself stays in a register: 10 % faster
-          for (unsigned int l = 0; l < n; ++l)
-            to[l] = part[l];
+          return solved[point] * steps[point];
         }
-    }
 
-    /// A batch of points, at most one in each lane.
-    template <int dim>
-    class Batch
-    {
-    public:
-      /// n points from x on, which start from lambda. Spare lanes repeat the
-      /// first point.
-      Batch(const LmeNodes<dim>  &nodes,
-            const Point<dim>     *x,
-            const Tensor<1, dim> *lambda,
-            const unsigned int    n);
+        Tensor<1, dim>
+        lambda(const unsigned int point) const
+        {
+          Tensor<1, dim> result;
+          for (unsigned int d = 0; d < dim; ++d)
+            result[d] = lines[d].nu[point] / nodes.h;
+          return result;
+        }
 
-      /// Halley's iteration for all points.
-      void
-      solve(const double tolerance);
+        /// The one-dimensional functions of all points.
+        void
+        fill_lines()
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            values[d].fill(lines[d], nodes.h);
+        }
 
-      /// The number of steps of a point, 0 if it is left to lme_evaluate():
-      /// slow convergence, or a wall is near.
-      unsigned int
-      n_steps(const unsigned int point) const
-      {
-        return solved[point] * steps[point];
-      }
+        /// The products (L10) of a point, row after row in x direction.
+        void
+        store_products(const unsigned int point, double *to) const;
 
-      Tensor<1, dim>
-      lambda(const unsigned int point) const
-      {
-        Tensor<1, dim> result;
-        for (unsigned int d = 0; d < dim; ++d)
-          result[d] = lines[d].nu[point] / nodes.h;
-        return result;
-      }
+      private:
+        const LmeNodes<dim> &nodes;
+        Line                 lines[dim];
+        V                    steps = {}, solved = {};
+        LineValues           values[dim];
+      };
 
-      /// The one-dimensional functions of all points.
-      void
-      fill_lines()
+      template <int dim>
+      Batch<dim>::Batch(const LmeNodes<dim>  &nodes,
+                        const Point<dim>     *x,
+                        const Tensor<1, dim> *lambda,
+                        const unsigned int    n)
+        : nodes(nodes)
       {
         for (unsigned int d = 0; d < dim; ++d)
-          values[d].fill(lines[d], nodes.h);
+          {
+            Line &line = lines[d];
+            for (unsigned int l = 0; l < lanes; ++l)
+              {
+                line.t[l]  = x[l < n ? l : 0][d];
+                line.nu[l] = lambda[l < n ? l : 0][d];
+              }
+            line.t = (line.t - nodes.box_origin[d]) / nodes.h;
+            line.nu *= nodes.h;
+            line.gamma   = nodes.beta[0] * nodes.h * nodes.h;
+            line.decay   = nodes.box_decay;
+            line.n_nodes = nodes.box_size[d];
+          }
       }
 
-      /// The products (L10) of a point, row after row in x direction.
+      template <int dim>
       void
-      store_products(const unsigned int point, double *to) const;
+      Batch<dim>::solve(const double tolerance)
+      {
+        V running = simd::all<V>(1.);
+        for (unsigned int i = 0; i < max_steps && simd::sum(running) > 0.; ++i)
+          {
+            V r_square = {}, longest = {}, smallest = simd::all<V>(1.);
+            V step[dim];
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                lines[d].evaluate();
+                step[d] = lines[d].step();
+                r_square += lines[d].r * lines[d].r;
+                longest  = simd::max(longest, simd::max(step[d], V(-step[d])));
+                smallest = simd::min(smallest, lines[d].variance);
+              }
+            steps += running;
+            // Points that are done stay where they are, whatever the others do.
+            // A NaN compares false: the point is given up.
+            running *= indicator(smallest > wall_variance);
+            const V done = running *
+                           indicator(r_square < tolerance * tolerance) *
+                           indicator(longest < accurate_step);
+            solved += done;
+            running -= done;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const V bounded =
+                  simd::min(simd::all<V>(longest_step),
+                            simd::max(simd::all<V>(-longest_step), step[d]));
+                lines[d].nu += (running > 0. ? bounded : V{});
+              }
+          }
+      }
 
-    private:
-      const LmeNodes<dim> &nodes;
-      Line                 lines[dim];
-      V                    steps = {}, solved = {};
-      LineValues           values[dim];
-    };
+      template <int dim>
+      void
+      Batch<dim>::store_products(const unsigned int point, double *to) const
+      {
+        const auto         size     = nodes.box_size;
+        const unsigned int n_planes = (dim == 3 ? size[dim - 1] : 1);
+        const unsigned int n_padded = nodes.n_padded;
+        // From the ends of the rows to their beginnings, so that what follows a
+        // row is overwritten.
+        for (unsigned int i = (size[0] + lanes - 1) / lanes * lanes; i > 0;)
+          {
+            i -= lanes;
+            const V            N_x    = row(values[0].N + i, point);
+            const V            grad_x = row(values[0].grad + i, point);
+            const unsigned int n      = std::min(lanes, size[0] - i);
+            for (unsigned int k = 0, a = i; k < n_planes; ++k)
+              {
+                const double N_z =
+                  (dim == 3 ? values[dim - 1].N[k][point] : 1.);
+                const double grad_z =
+                  (dim == 3 ? values[dim - 1].grad[k][point] : 0.);
+                for (unsigned int j = 0; j < size[1]; ++j, a += size[0])
+                  {
+                    const double N_y    = values[1].N[j][point];
+                    const double grad_y = values[1].grad[j][point];
+                    const auto   store = [&](const V &v, const unsigned int c) {
+                      store_row(v, n, n_padded - a, to + c * n_padded + a);
+                    };
+                    const double N_yz = N_y * N_z;
+                    store(N_yz * N_x, 0);
+                    store(N_yz * grad_x, 1);
+                    store((grad_y * N_z) * N_x, 2);
+                    if (dim == 3)
+                      store((N_y * grad_z) * N_x, 3);
+                  }
+              }
+          }
+        for (unsigned int c = 0; c <= dim; ++c)
+          for (unsigned int a = nodes.n; a < n_padded; ++a)
+            to[c * n_padded + a] = 0.;
+      }
 
-    template <int dim>
-    Batch<dim>::Batch(const LmeNodes<dim>  &nodes,
-                      const Point<dim>     *x,
-                      const Tensor<1, dim> *lambda,
-                      const unsigned int    n)
-      : nodes(nodes)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          Line &line = lines[d];
-          for (unsigned int l = 0; l < lanes; ++l)
-            {
-              line.t[l]  = x[l < n ? l : 0][d];
-              line.nu[l] = lambda[l < n ? l : 0][d];
-            }
-          line.t = (line.t - nodes.box_origin[d]) / nodes.h;
-          line.nu *= nodes.h;
-          line.gamma   = nodes.beta[0] * nodes.h * nodes.h;
-          line.decay   = nodes.box_decay;
-          line.n_nodes = nodes.box_size[d];
-        }
-    }
-
-    template <int dim>
-    void
-    Batch<dim>::solve(const double tolerance)
-    {
-      V running = simd::all<V>(1.);
-      for (unsigned int i = 0; i < max_steps && simd::sum(running) > 0.; ++i)
-        {
-          V r_square = {}, longest = {}, smallest = simd::all<V>(1.);
-          V step[dim];
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              lines[d].evaluate();
-              step[d] = lines[d].step();
-              r_square += lines[d].r * lines[d].r;
-              longest  = simd::max(longest, simd::max(step[d], V(-step[d])));
-              smallest = simd::min(smallest, lines[d].variance);
-            }
-          steps += running;
-          // Points that are done stay where they are, whatever the others do.
-          // A NaN compares false: the point is given up.
-          running *= indicator(smallest > wall_variance);
-          const V done = running * indicator(r_square < tolerance * tolerance) *
-                         indicator(longest < accurate_step);
-          solved += done;
-          running -= done;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              const V bounded =
-                simd::min(simd::all<V>(longest_step),
-                          simd::max(simd::all<V>(-longest_step), step[d]));
-              lines[d].nu += (running > 0. ? bounded : V{});
-            }
-        }
-    }
-
-    template <int dim>
-    void
-    Batch<dim>::store_products(const unsigned int point, double *to) const
-    {
-      const auto         size     = nodes.box_size;
-      const unsigned int n_planes = (dim == 3 ? size[dim - 1] : 1);
-      const unsigned int n_padded = nodes.n_padded;
-      // From the ends of the rows to their beginnings, so that what follows a
-      // row is overwritten.
-      for (unsigned int i = (size[0] + lanes - 1) / lanes * lanes; i > 0;)
-        {
-          i -= lanes;
-          const V            N_x    = row(values[0].N + i, point);
-          const V            grad_x = row(values[0].grad + i, point);
-          const unsigned int n      = std::min(lanes, size[0] - i);
-          for (unsigned int k = 0, a = i; k < n_planes; ++k)
-            {
-              const double N_z = (dim == 3 ? values[dim - 1].N[k][point] : 1.);
-              const double grad_z =
-                (dim == 3 ? values[dim - 1].grad[k][point] : 0.);
-              for (unsigned int j = 0; j < size[1]; ++j, a += size[0])
-                {
-                  const double N_y    = values[1].N[j][point];
-                  const double grad_y = values[1].grad[j][point];
-                  const auto   store  = [&](const V &v, const unsigned int c) {
-                    store_row(v, n, n_padded - a, to + c * n_padded + a);
-                  };
-                  const double N_yz = N_y * N_z;
-                  store(N_yz * N_x, 0);
-                  store(N_yz * grad_x, 1);
-                  store((grad_y * N_z) * N_x, 2);
-                  if (dim == 3)
-                    store((N_y * grad_z) * N_x, 3);
-                }
-            }
-        }
-      for (unsigned int c = 0; c <= dim; ++c)
-        for (unsigned int a = nodes.n; a < n_padded; ++a)
-          to[c * n_padded + a] = 0.;
-    }
-
-    /// Whether the recurrence (L12) stays in the range of doubles.
-    template <int dim>
-    bool
-    is_in_range(const LmeNodes<dim> &nodes)
-    {
-      const double n =
-        *std::max_element(nodes.box_size.begin(), nodes.box_size.end());
-      const double gamma = nodes.beta[0] * nodes.h * nodes.h;
-      return n <= max_line && gamma * (n - 1.) * (n - 1.) <= max_gamma;
-    }
-  } // namespace tensor_product
+      /// Whether the recurrence (L12) stays in the range of doubles.
+      template <int dim>
+      bool
+      is_in_range(const LmeNodes<dim> &nodes)
+      {
+        const double n =
+          *std::max_element(nodes.box_size.begin(), nodes.box_size.end());
+        const double gamma = nodes.beta[0] * nodes.h * nodes.h;
+        return n <= max_line && gamma * (n - 1.) * (n - 1.) <= max_gamma;
+      }
+    } // namespace
+  }   // namespace tensor_product
 
 
   template <int dim>
