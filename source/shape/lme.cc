@@ -1,5 +1,4 @@
 #include <selkie/shape/lme.h>
-#include <selkie/shape/lme_tensor_product.h>
 #include <selkie/shape/simd.h>
 
 #include <algorithm>
@@ -551,10 +550,6 @@ namespace selkie
       throw OutsideHull<dim>(x,
                              "it has only " + std::to_string(nodes.n) +
                                " nodes");
-    if (nodes.is_box)
-      if (const unsigned int n_steps =
-            lme_tensor_product(nodes, x, lambda, N, grad, settings))
-        return n_steps;
 
     GeneralKernel<dim> kernel(nodes, x, settings, N);
     kernel.start(lambda);

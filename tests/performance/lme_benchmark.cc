@@ -1,5 +1,6 @@
 // LME evaluations per second: random points in the interior cell [0,1]^dim of a
-// grid of spacing 1, lambda from 0 (or warm), to 1e-12 h, N and grad N.
+// grid of spacing 1, lambda from 0 (or warm), to 1e-12 h, N and grad N. Boxes
+// are evaluated by lme_evaluate_points(), some points a call.
 #include <selkie/shape/lme.h>
 
 #include <benchmark/benchmark.h>
@@ -17,9 +18,8 @@ namespace
 {
   enum Lists
   {
-    own_list,   // each point has the nodes within R of it
-    union_list, // all points share the nodes within R of the cell
-    box         // the box of nodes around the cell that contains the union
+    own_list,  // each point has the nodes within R of it
+    union_list // all points share the nodes within R of the cell
   };
 
   constexpr unsigned int n_points = 256;
@@ -69,18 +69,6 @@ namespace
       return {grid_nodes<dim>(gamma, [&](const Point<dim> &p) {
         return distance_to_cell(p) < R;
       })};
-    if (kind == box)
-      {
-        const int                     reach = R;
-        std::array<unsigned int, dim> size;
-        Point<dim>                    origin;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            size[d]   = 2 * reach + 2;
-            origin[d] = -reach;
-          }
-        return {LmeNodes<dim>::make_box(origin, 1., size, gamma)};
-      }
     std::vector<LmeNodes<dim>> lists;
     for (const Point<dim> &x : points)
       lists.push_back(grid_nodes<dim>(gamma, [&](const Point<dim> &p) {
@@ -89,20 +77,104 @@ namespace
     return lists;
   }
 
+  /// The box of nodes around the cell that contains those within R of it.
   template <int dim>
-  void
-  evaluate(benchmark::State &state, const Lists kind, const bool warm)
+  LmeNodes<dim>
+  make_box(const double gamma)
   {
-    const double                     gamma = state.range(0) / 10.;
+    const int                     reach = lme_support_radius(1., gamma, 1e-6);
+    std::array<unsigned int, dim> size;
+    Point<dim>                    origin;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        size[d]   = 2 * reach + 2;
+        origin[d] = -reach;
+      }
+    return LmeNodes<dim>::make_box(origin, 1., size, gamma);
+  }
+
+  template <int dim>
+  std::vector<Point<dim>>
+  random_points()
+  {
     std::mt19937                     random(1);
     std::uniform_real_distribution<> uniform(0., 1.);
     std::vector<Point<dim>>          points(n_points);
     for (auto &x : points)
       for (unsigned int d = 0; d < dim; ++d)
         x[d] = uniform(random);
-    const auto lists = make_lists<dim>(kind, gamma, points);
+    return points;
+  }
 
-    std::size_t n_max = 0, n_sum = 0, n_steps = 0, n_evaluations = 0;
+  /// lambda of a point 0.02 h away.
+  template <int dim>
+  Tensor<1, dim>
+  warm_start(const LmeNodes<dim> &nodes, Point<dim> x)
+  {
+    AlignedVector<double> N(nodes.n_padded);
+    Tensor<1, dim>        lambda;
+    x[0] += 0.02;
+    lme_evaluate(nodes, x, lambda, N.data(), nullptr);
+    return lambda;
+  }
+
+  void
+  report(benchmark::State &state,
+         const double      n_nodes,
+         const std::size_t n_steps)
+  {
+    const double n_evaluations = double(state.iterations()) * n_points;
+    state.SetItemsProcessed(n_evaluations);
+    state.counters["nodes"]  = n_nodes;
+    state.counters["Newton"] = n_steps / n_evaluations;
+  }
+
+  template <int dim>
+  void
+  evaluate_box(benchmark::State &state, const bool warm)
+  {
+    const double       gamma = state.range(0) / 10.;
+    const unsigned int batch = state.range(1);
+    const auto         nodes = make_box<dim>(gamma);
+
+    // The points of a call.
+    std::vector<std::vector<Point<dim>>>     points;
+    std::vector<std::vector<Tensor<1, dim>>> start;
+    for (const Point<dim> &x : random_points<dim>())
+      {
+        if (points.empty() || points.back().size() == batch)
+          {
+            points.emplace_back();
+            start.emplace_back();
+          }
+        points.back().push_back(x);
+        start.back().push_back(warm ? warm_start(nodes, x) : Tensor<1, dim>());
+      }
+
+    AlignedVector<double>       values(batch * (dim + 1) * nodes.n_padded);
+    std::vector<Tensor<1, dim>> lambda;
+    std::size_t                 n_steps = 0;
+    for (auto _ : state)
+      for (unsigned int i = 0; i < points.size(); ++i)
+        {
+          lambda = start[i];
+          n_steps +=
+            lme_evaluate_points(nodes, points[i], lambda, values.data());
+          benchmark::DoNotOptimize(values.data());
+          benchmark::ClobberMemory();
+        }
+    report(state, nodes.n, n_steps);
+  }
+
+  template <int dim>
+  void
+  evaluate(benchmark::State &state, const Lists kind, const bool warm)
+  {
+    const double gamma  = state.range(0) / 10.;
+    const auto   points = random_points<dim>();
+    const auto   lists  = make_lists<dim>(kind, gamma, points);
+
+    std::size_t n_max = 0, n_sum = 0, n_steps = 0;
     for (const auto &list : lists)
       {
         n_max = std::max<std::size_t>(n_max, list.n_padded);
@@ -110,39 +182,27 @@ namespace
       }
     AlignedVector<double>       N(n_max), grad(dim * n_max);
     std::vector<Tensor<1, dim>> start(n_points);
-    if (warm) // from the lambda of a point 0.02 h away
+    if (warm)
+      for (unsigned int p = 0; p < n_points; ++p)
+        start[p] = warm_start(lists[p % lists.size()], points[p]);
+    for (auto _ : state)
       for (unsigned int p = 0; p < n_points; ++p)
         {
-          Point<dim> near = points[p];
-          near[0] += 0.02;
-          lme_evaluate(
-            lists[p % lists.size()], near, start[p], N.data(), nullptr);
+          Tensor<1, dim> lambda = start[p];
+          n_steps += lme_evaluate(
+            lists[p % lists.size()], points[p], lambda, N.data(), grad.data());
+          benchmark::DoNotOptimize(N.data());
+          benchmark::ClobberMemory();
         }
-    for (auto _ : state)
-      {
-        for (unsigned int p = 0; p < n_points; ++p)
-          {
-            Tensor<1, dim> lambda = start[p];
-            n_steps += lme_evaluate(lists[p % lists.size()],
-                                    points[p],
-                                    lambda,
-                                    N.data(),
-                                    grad.data());
-            benchmark::DoNotOptimize(N.data());
-            benchmark::ClobberMemory();
-          }
-        n_evaluations += n_points;
-      }
-    state.SetItemsProcessed(n_evaluations);
-    state.counters["nodes"]  = double(n_sum) / lists.size();
-    state.counters["Newton"] = double(n_steps) / n_evaluations;
+    report(state, double(n_sum) / lists.size(), n_steps);
   }
+
+  // The first argument is 10 gamma.
   template <int dim>
   void
   add(const char *list, const Lists kind)
   {
     const std::string name = std::to_string(dim) + "d/" + list;
-    // The argument is 10 gamma.
     benchmark::RegisterBenchmark((name + "/cold").c_str(),
                                  evaluate<dim>,
                                  kind,
@@ -156,6 +216,23 @@ namespace
                                  true)
       ->Arg(18);
   }
+
+  // The second argument is the number of points a call.
+  template <int dim>
+  void
+  add_box()
+  {
+    const std::string name = std::to_string(dim) + "d/box";
+    benchmark::RegisterBenchmark((name + "/cold").c_str(),
+                                 evaluate_box<dim>,
+                                 false)
+      ->ArgsProduct({{8, 18, 30}, {8}})
+      ->ArgsProduct({{18}, {1, 4, 64}});
+    benchmark::RegisterBenchmark((name + "/warm").c_str(),
+                                 evaluate_box<dim>,
+                                 true)
+      ->Args({18, 8});
+  }
 } // namespace
 
 int
@@ -163,10 +240,10 @@ main(int argc, char **argv)
 {
   add<2>("own_list", own_list);
   add<2>("union_list", union_list);
-  add<2>("box", box);
+  add_box<2>();
   add<3>("own_list", own_list);
   add<3>("union_list", union_list);
-  add<3>("box", box);
+  add_box<3>();
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

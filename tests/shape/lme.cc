@@ -43,6 +43,38 @@ namespace
     return v;
   }
 
+  /// Many points of one list in a single call.
+  template <int dim>
+  std::vector<Values<dim>>
+  evaluate_points(const LmeNodes<dim>            &nodes,
+                  const std::vector<Point<dim>>  &x,
+                  const std::vector<Values<dim>> &start = {})
+  {
+    const unsigned int          stride = (dim + 1) * nodes.n_padded;
+    std::vector<Tensor<1, dim>> lambda(x.size());
+    for (unsigned int q = 0; q < start.size(); ++q)
+      lambda[q] = start[q].lambda;
+    AlignedVector<double> all(x.size() * stride + lme_padding, -7.);
+    const unsigned int    n_steps =
+      lme_evaluate_points(nodes, x, lambda, all.data());
+    for (unsigned int i = x.size() * stride; i < all.size(); ++i)
+      EXPECT_EQ(all[i], -7.) << "written past the end";
+
+    std::vector<Values<dim>> result(x.size());
+    for (unsigned int q = 0; q < x.size(); ++q)
+      {
+        Values<dim>  &v    = result[q];
+        const double *from = all.data() + q * stride;
+        v.N.resize(nodes.n_padded);
+        v.grad.resize(dim * nodes.n_padded);
+        std::copy(from, from + nodes.n_padded, v.N.begin());
+        std::copy(from + nodes.n_padded, from + stride, v.grad.begin());
+        v.lambda  = lambda[q];
+        v.n_steps = n_steps; // of all
+      }
+    return result;
+  }
+
   template <int dim>
   Point<dim>
   node(const LmeNodes<dim> &nodes, const unsigned int a)
@@ -463,61 +495,187 @@ TYPED_TEST(Lme, AnyStart)
 }
 
 
-TYPED_TEST(Lme, BoxKernelEqualsGeneralKernel)
+// lme_evaluate_points() against lme_evaluate(); the tolerance is for grad N.
+template <int dim>
+void
+expect_equal(const LmeNodes<dim> &nodes,
+             const Values<dim>   &v,
+             const Values<dim>   &w,
+             const double         tolerance)
+{
+  for (unsigned int a = 0; a < nodes.n_padded; ++a)
+    {
+      EXPECT_NEAR(v.N[a], w.N[a], 1e-12);
+      for (unsigned int d = 0; d < dim; ++d)
+        EXPECT_NEAR(nodes.h * v.grad[d * nodes.n_padded + a],
+                    nodes.h * w.grad[d * nodes.n_padded + a],
+                    tolerance);
+    }
+}
+
+
+/// A box of 11 x 9 nodes or 7 x 5 x 3; rows are longer than a SIMD vector in
+/// 2D, and not a multiple of its length.
+template <int dim>
+LmeNodes<dim>
+make_box(const double h, const double gamma)
+{
+  std::array<unsigned int, dim> size;
+  Point<dim>                    origin;
+  for (unsigned int d = 0; d < dim; ++d)
+    {
+      size[d]   = (dim == 2 ? 11 : 7) - 2 * d;
+      origin[d] = 0.7 - d;
+    }
+  return LmeNodes<dim>::make_box(origin, h, size, gamma / (h * h));
+}
+
+
+TYPED_TEST(Lme, PointsOfABox)
 {
   constexpr int dim = TypeParam::value;
   const double  h   = 0.1;
   for (const double gamma : gammas)
     {
-      std::array<unsigned int, dim> size;
-      Point<dim>                    origin;
-      for (unsigned int d = 0; d < dim; ++d)
+      const auto box = make_box<dim>(h, gamma);
+      auto       x   = random_points<dim>(203, 0.01, 1.99);
+      for (auto &p : x)
+        p = box.box_origin + h * Tensor<1, dim>(p);
+      const auto v = evaluate_points(box, x);
+      for (unsigned int q = 0; q < x.size(); ++q)
         {
-          size[d]   = (dim == 2 ? 11 : 7) - 2 * d;
-          origin[d] = 0.7 - d;
-        }
-      const auto box =
-        LmeNodes<dim>::make_box(origin, h, size, gamma / (h * h));
-      auto general   = box;
-      general.is_box = false;
-      for (auto x : random_points<dim>(200, 0.01, 1.99))
-        {
-          x            = origin + h * Tensor<1, dim>(x);
-          const auto v = evaluate(box, x), w = evaluate(general, x);
-          expect_identities(box, x, v, gradient_accuracy);
-          EXPECT_LT((v.lambda - w.lambda).norm() * h, 1e-9);
-          for (unsigned int a = 0; a < box.n; ++a)
-            {
-              EXPECT_NEAR(v.N[a], w.N[a], 1e-12);
-              for (unsigned int d = 0; d < dim; ++d)
-                EXPECT_NEAR(h * v.grad[d * box.n_padded + a],
-                            h * w.grad[d * box.n_padded + a],
-                            gradient_accuracy);
-            }
+          const auto w = evaluate(box, x[q]);
+          expect_identities(box, x[q], v[q], gradient_accuracy);
+          EXPECT_LT((v[q].lambda - w.lambda).norm() * h, 1e-9);
+          expect_equal(box, v[q], w, gradient_accuracy);
           // A warm start passes between the kernels.
-          EXPECT_LE(evaluate(general, x, v.lambda).n_steps, 1u);
-          EXPECT_LE(evaluate(box, x, w.lambda).n_steps, 2u);
+          EXPECT_LE(evaluate(box, x[q], v[q].lambda).n_steps, 1u);
         }
-      // Walls and outside: the general kernel takes over.
-      Point<dim> x = origin;
-      x[0] += 2.3 * h;
-      expect_identities(box, x, evaluate(box, x), 1e-7);
-      x[1] -= 0.01 * h;
-      EXPECT_THROW(evaluate(box, x), OutsideHull<dim>);
+      EXPECT_LE(v[0].n_steps, 5u * x.size());
+      EXPECT_LE(evaluate_points(box, x, v)[0].n_steps, 2u * x.size());
+    }
+  EXPECT_TRUE(
+    evaluate_points(make_box<dim>(h, 1.8), std::vector<Point<dim>>()).empty());
+}
+
+
+// Each point alone gives the same bits as with others, whatever they are.
+TYPED_TEST(Lme, PointsOfABoxDoNotAffectEachOther)
+{
+  constexpr int dim = TypeParam::value;
+  const auto    box = make_box<dim>(1., 3.);
+  auto          x   = random_points<dim>(21, 0., 2.);
+  for (auto &p : x)
+    p += box.box_origin;
+  x[3][0]      = box.box_origin[0];
+  const auto v = evaluate_points(box, x);
+  for (unsigned int q = 0; q < x.size(); ++q)
+    {
+      const auto w = evaluate_points(box, std::vector<Point<dim>>{x[q]})[0];
+      EXPECT_EQ(v[q].lambda, w.lambda);
+      for (unsigned int a = 0; a < box.n_padded; ++a)
+        EXPECT_EQ(v[q].N[a], w.N[a]);
+      for (unsigned int i = 0; i < dim * box.n_padded; ++i)
+        EXPECT_EQ(v[q].grad[i], w.grad[i]);
     }
 }
 
 
-// Long lines, for which the box kernel's recurrence would leave the range of
-// doubles, go to the general kernel.
-TEST(LmeBox, LongLines)
+// Towards the walls, edges and corners of the box, both ends; beside them a
+// point inside. The kernels differ by what each may differ from the truth.
+TYPED_TEST(Lme, WallsOfABox)
 {
-  const auto nodes = LmeNodes<2>::make_box(Point<2>(), 1., {{60, 5}}, 1.8);
-  for (const double x : {0.4, 30.3, 58.8})
-    expect_identities(nodes,
-                      Point<2>(x, 2.2),
-                      evaluate(nodes, Point<2>(x, 2.2)),
-                      gradient_accuracy);
+  constexpr int dim = TypeParam::value;
+  for (const double gamma : gammas)
+    {
+      const auto              box = make_box<dim>(1., gamma);
+      std::vector<Point<dim>> x;
+      for (int n_walls = 0; n_walls <= dim; ++n_walls)
+        for (int power = 1; power <= 11; ++power)
+          for (const bool far_end : {false, true})
+            {
+              const double eps = (power == 11 ? 0. : std::pow(10., -power));
+              Point<dim>   p   = box.box_origin;
+              for (int d = 0; d < dim; ++d)
+                p[d] += (d >= n_walls ? .45 * (box.box_size[d] - 1.)
+                         : far_end    ? box.box_size[d] - 1. - eps
+                                      : eps);
+              x.push_back(p);
+            }
+      const auto v = evaluate_points(box, x);
+      for (unsigned int q = 0; q < x.size(); ++q)
+        {
+          // 1e-7: round-off 1e-16 h/eps, the origin not being at zero.
+          expect_identities(box, x[q], v[q], 1e-7);
+          expect_equal(box, v[q], evaluate(box, x[q]), 1e-7);
+        }
+    }
+}
+
+
+TYPED_TEST(Lme, OutsideOfABoxIsRefused)
+{
+  constexpr int dim = TypeParam::value;
+  for (const double gamma : gammas)
+    for (const double distance : {1e-11, 1e-9, 1e-6, 1e-2, 1., 100.})
+      for (int n_walls = 1; n_walls <= dim; ++n_walls)
+        {
+          std::array<unsigned int, dim> size;
+          size.fill(6);
+          const auto box =
+            LmeNodes<dim>::make_box(Point<dim>(), 1., size, gamma);
+          auto x = random_points<dim>(11, 1., 4.);
+          for (int d = 0; d < n_walls; ++d)
+            x[9][d] = -distance;
+          try
+            {
+              evaluate_points(box, x);
+              ADD_FAILURE() << "accepted " << x[9] << ", gamma " << gamma;
+            }
+          catch (const OutsideHull<dim> &failure)
+            {
+              EXPECT_EQ(failure.point, x[9]);
+            }
+          for (int d = 0; d < n_walls; ++d)
+            x[9][d] = -1e-15;
+          expect_identities(box, x[9], evaluate_points(box, x)[9], 1e-7);
+        }
+}
+
+
+// Whatever the length of the rows, nothing is left over from neighbours.
+TEST(LmeBox, RowsOfAnyLength)
+{
+  for (unsigned int n_x = 2; n_x <= 18; ++n_x)
+    for (const unsigned int n_y : {2, 3, 8})
+      {
+        const auto box =
+          LmeNodes<2>::make_box(Point<2>(), 1., {{n_x, n_y}}, 1.);
+        const Point<2> x(0.3 * n_x, 0.4);
+        const auto     v = evaluate_points(box, std::vector<Point<2>>{x})[0];
+        expect_identities(box, x, v, gradient_accuracy);
+        expect_equal(box, v, evaluate(box, x), gradient_accuracy);
+      }
+}
+
+
+// Long lines, for which the recurrence would leave the range of doubles, and
+// lists that are no boxes go to the general kernel.
+TEST(LmeBox, OtherLists)
+{
+  const auto long_box = LmeNodes<2>::make_box(Point<2>(), 1., {{60, 5}}, 1.8);
+  const std::vector<Point<2>> x = {Point<2>(0.4, 2.2),
+                                   Point<2>(30.3, 2.2),
+                                   Point<2>(58.8, 2.2)};
+  const auto                  v = evaluate_points(long_box, x);
+  for (unsigned int q = 0; q < x.size(); ++q)
+    expect_identities(long_box, x[q], v[q], gradient_accuracy);
+
+  const Point<2> y(3.6, 3.3);
+  const auto     nodes = graded<2>(1.8);
+  const auto     w     = evaluate_points(nodes, std::vector<Point<2>>{y})[0];
+  expect_identities(nodes, y, w, gradient_accuracy);
+  EXPECT_EQ(w.n_steps, evaluate(nodes, y).n_steps);
 }
 
 
