@@ -18,7 +18,7 @@ namespace selkie
     ///
     ///   R_a = sum_p V_0 dev tau g_a + (sum_p V_0 m) gbar_a.
     ///
-    /// The tangent is derived in doc/theory.md, section 2.4.
+    /// The tangent is derived in doc/theory.md, section 2.
     template <int dim>
     class MeanDilatationTerm : public Term<dim>
     {
