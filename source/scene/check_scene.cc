@@ -77,11 +77,6 @@ namespace selkie
     {
       if (!scene.inertia)
         {
-          if (scene.has_fluid())
-            fail(scene,
-                 "Effects",
-                 "a scene without 'inertia' is static, and nothing but inertia "
-                 "keeps a fluid in shape; list 'inertia'");
           if (!is_held(scene))
             fail(scene,
                  "Effects",
@@ -89,6 +84,11 @@ namespace selkie
                  "holds it: all walls are free and there is no node set. "
                  "Allowed are a wall that is fixed, slip or prescribed, a node "
                  "set, or the effect 'inertia'");
+          if (scene.has_fluid())
+            fail(scene,
+                 "Effects",
+                 "a scene without 'inertia' is static, and nothing but inertia "
+                 "keeps a fluid in shape; list 'inertia'");
           return;
         }
       if (2 * scene.inertia->newmark_beta < scene.inertia->newmark_gamma)
