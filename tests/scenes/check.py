@@ -357,6 +357,7 @@ def ranks(selkie, folder, what):
         other = run(selkie, path, folder / str(n), settings, n)
         if len(other["time"]) != len(one["time"]):
             check(f"{n} ranks: rows", len(other["time"]) - len(one["time"]), 0)
+            print((folder / str(n) / "log.txt").read_text())
             continue
         error = {name: max(abs(a - b) for a, b in zip(one[name], other[name])) / by[name]
                  for name in names}
