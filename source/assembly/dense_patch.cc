@@ -124,7 +124,8 @@ namespace selkie
       for (unsigned int i = 0; i < dim; ++i)
         {
           const double g_a = g[i * n_padded + a], E_a = E[i * n_padded + a];
-          double      *row = const_cast<double *>(this->row(a, i));
+          double      *row = block.data() + std::size_t(a * n_components + i) *
+                                         n_components * n_padded;
           for (unsigned int b = 0; b < dim * n_padded; ++b)
             row[b] += (E_a + s * g_a) * g[b] + g_a * E[b];
         }

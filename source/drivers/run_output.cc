@@ -40,10 +40,7 @@ namespace selkie
              : seconds < 7200 ? format("%.0f min", seconds / 60.)
                               : format("%.1f h", seconds / 3600.);
     }
-  } // namespace
 
-  namespace
-  {
     template <int dim>
     NodeMotion<dim>
     node_motion(const Stepper<dim> &stepper)

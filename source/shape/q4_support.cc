@@ -135,8 +135,6 @@ namespace selkie
               const Cell          &cell,
               const unsigned int   face)
     {
-      if (!cell->at_boundary(face) && !cell->neighbor(face)->is_active())
-        return false;
       const auto box       = scene.bodies[traction.body].shape->bounding_box();
       const unsigned int d = traction.face / 2;
       const double       plane =

@@ -134,10 +134,7 @@ namespace selkie
       if (!fluid || scene.lagrangian_mesh())
         columns.F.set(mine, f * point.F_n);
     }
-  } // namespace
 
-  namespace
-  {
     /// The volume ratio of a solid's patch at the end of the step.
     template <int dim>
     double
@@ -194,9 +191,6 @@ namespace selkie
                         patch.fluid && patch.n_points < lone_points,
                         particles.scene,
                         properties[point.particle]);
-            if (columns.mean_J.exists() && !patch.fluid)
-              columns.mean_J.set(properties[point.particle],
-                                 mean_volume_ratio(table, patch, values));
             // In full cells the Gauss points hold the energy.
             if (patch.fluid && patch.integration)
               {
@@ -207,6 +201,16 @@ namespace selkie
                 report.reset_energy +=
                   point.volume * (law.energy(at.J) - law.energy(moved));
               }
+          }
+    if (columns.mean_J.exists())
+      for (const auto &patch : table.patches)
+        if (patch.matter && !patch.fluid)
+          {
+            const double mean_J = mean_volume_ratio(table, patch, values);
+            for (unsigned int q = 0; q < patch.n_points; ++q)
+              columns.mean_J.set(
+                properties[table.points[patch.first_point + q].particle],
+                mean_J);
           }
     report.reset_energy = Utilities::MPI::sum(report.reset_energy, comm);
     particles.move(displacements);
