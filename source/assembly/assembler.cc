@@ -2,11 +2,13 @@
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/laws/kinematics.h>
-#include <selkie/laws/newtonian_fluid.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <Epetra_FECrsMatrix.h>
+
+#include <algorithm>
+#include <sstream>
 
 namespace selkie
 {
@@ -16,126 +18,327 @@ namespace selkie
   {
     /// Newton must not turn a point inside out on its way.
     constexpr double smallest_det_f = 0.05;
+
+    /// Parts of the cost ledger that belong to all terms, before the terms.
+    enum SharedPart : unsigned int
+    {
+      gathering,
+      integration,
+      scattering,
+      first_term
+    };
+
+    template <int dim>
+    std::vector<std::string>
+    ledger_parts(const std::vector<std::shared_ptr<const Term<dim>>> &terms)
+    {
+      std::vector<std::string> parts = {"gather and kinematics",
+                                        "block of the patch",
+                                        "scatter"};
+      for (const auto &term : terms)
+        parts.push_back(term->name());
+      return parts;
+    }
   } // namespace
 
   template <int dim>
   Assembler<dim>::Assembler(const Terms &terms, System<dim> &system)
     : terms(terms)
     , system(system)
+    , ledger(ledger_parts<dim>(terms))
   {
     for (const auto &term : terms)
       {
-        const TermNeeds n = term->needs();
-        needs.kinematics |= n.kinematics;
-        needs.velocity_gradient |= n.velocity_gradient;
-        needs.acceleration |= n.acceleration;
-        needs.increment |= n.increment;
+        use |= term->use();
+        if (term->use().at_nodes)
+          node_terms.push_back(term.get());
+      }
+    for (unsigned int bits = 0; bits < PatchKind::n_kinds; ++bits)
+      {
+        const PatchKind kind{bool(bits & 1),
+                             bool(bits & 2),
+                             bool(bits & 4),
+                             bool(bits & 8)};
+        kernels[kind.index()]        = compose(kind, false);
+        energy_kernels[kind.index()] = compose(kind, true);
       }
   }
 
+  /// The kernel of a kind of patch: for the residual and the tangent, or for
+  /// the terms' energies.
+  template <int dim>
+  typename Assembler<dim>::Kernel
+  Assembler<dim>::compose(const PatchKind &kind, const bool for_energy) const
+  {
+    Kernel  kernel;
+    TermUse used;
+    for (unsigned int i = 0; i < terms.size(); ++i)
+      if (terms[i]->acts_on(kind) && (!for_energy || terms[i]->use().energy))
+        {
+          kernel.terms.push_back(i);
+          used |= terms[i]->use();
+        }
+    used.increment = used.increment || for_energy;
+    if (kernel.terms.empty())
+      return kernel;
+    kernel.prepare       = preparations(used);
+    kernel.forces        = DensePatch<dim>::force_steps(used);
+    kernel.block         = DensePatch<dim>::block_steps(used);
+    kernel.with_pressure = used.volume;
+    return kernel;
+  }
+
+  template <int dim>
+  std::vector<typename Assembler<dim>::Preparation>
+  Assembler<dim>::preparations(const TermUse &used)
+  {
+    std::vector<Preparation> steps;
+    const auto add_if = [&steps](const bool needed, const Preparation step) {
+      if (needed)
+        steps.push_back(step);
+    };
+    add_if(used.kinematics || used.increment, &Assembler::gather_increments);
+    add_if(used.velocity_gradient, &Assembler::gather_velocities);
+    add_if(used.acceleration, &Assembler::gather_accelerations);
+    add_if(used.pressure, &Assembler::gather_pressures);
+    add_if(used.kinematics, &Assembler::point_kinematics);
+    add_if(used.velocity_gradient, &Assembler::point_velocity_gradients);
+    add_if(used.pressure, &Assembler::point_pressures);
+    add_if(used.acceleration, &Assembler::point_accelerations);
+    add_if(used.increment, &Assembler::point_increments);
+    return steps;
+  }
+
+  // --- the steps of a kernel -------------------------------------------------
+
+  /// Nodal values of a displacement-like field, padded with zeros.
   template <int dim>
   void
-  Assembler<dim>::compute_nodal_kinematics(const Newmark    &newmark,
-                                           const StepFields &fields)
+  Assembler<dim>::gather(const Patch<dim>      &patch,
+                         const Vector          &from,
+                         AlignedVector<double> &values) const
   {
-    if (velocity.get_partitioner() != system.partitioner())
+    const unsigned int n = patch.n_nodes;
+    for (unsigned int d = 0; d < dim; ++d)
       {
-        system.initialize(velocity);
-        system.initialize(acceleration);
+        double *to = values.data() + d * dense.n_padded;
+        for (unsigned int a = 0; a < n; ++a)
+          to[a] = from.local_element(unknowns[d * n + a]);
+        std::fill(to + n, to + dense.n_padded, 0.);
       }
-    const unsigned int n = fields.x.locally_owned_size() +
-                           fields.x.get_partitioner()->n_ghost_indices();
-    for (unsigned int i = 0; i < n; ++i)
-      {
-        const double du               = fields.x.local_element(i);
-        const double v_n              = fields.v_n.local_element(i);
-        const double a_n              = fields.a_n.local_element(i);
-        velocity.local_element(i)     = newmark.velocity(du, v_n, a_n);
-        acceleration.local_element(i) = newmark.acceleration(du, v_n, a_n);
-      }
+  }
+
+  /// sum_a N_a values_a at the points.
+  template <int dim>
+  std::vector<Tensor<1, dim>>
+  Assembler<dim>::interpolate(const Patch<dim>            &patch,
+                              const AlignedVector<double> &values) const
+  {
+    std::vector<Tensor<1, dim>> result(patch.n_points);
+    for (unsigned int q = 0; q < patch.n_points; ++q)
+      for (unsigned int d = 0; d < dim; ++d)
+        result[q][d] = dense.value(values.data() + d * dense.n_padded,
+                                   state.table->N(patch, q));
+    return result;
   }
 
   template <int dim>
   bool
-  Assembler<dim>::prepare(const SupportTable<dim> &table,
-                          const Patch<dim>        &patch,
-                          const StepTime          &time,
-                          const StepFields        &fields)
+  Assembler<dim>::gather_increments(const Patch<dim> &patch)
   {
-    dense.reinit(patch);
-    unknowns.resize(dense.n_components * patch.n_nodes);
-    const bool want_v = needs.velocity_gradient && patch.fluid;
-    for (unsigned int a = 0; a < dense.n_padded; ++a)
-      {
-        const bool         real = a < patch.n_nodes;
-        const unsigned int node =
-          real ? table.nodes[patch.first_node + a] : invalid_index;
-        const unsigned int first = real ? system.displacement(node) : 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const unsigned int at = d * dense.n_padded + a;
-            if (real)
-              unknowns[d * patch.n_nodes + a] = first + d;
-            dense.du[at] = real ? fields.x.local_element(first + d) : 0.;
-            if (want_v)
-              dense.velocity[at] =
-                real ? velocity.local_element(first + d) : 0.;
-            if (needs.acceleration)
-              dense.acceleration[at] =
-                real ? acceleration.local_element(first + d) : 0.;
-          }
-        if (patch.fluid)
-          {
-            const unsigned int p_at = real ? system.pressure(node) : 0;
-            if (real)
-              unknowns[dim * patch.n_nodes + a] = p_at;
-            dense.p[a] = real ? fields.x.local_element(p_at) : 0.;
-          }
-      }
+    gather(patch, iterate->x, dense.du);
+    return true;
+  }
 
-    state.patch = &patch;
-    state.table = &table;
-    state.time  = &time;
-    state.h     = patch.cell->extent_in_direction(0);
-    state.forms.assign(patch.n_points, PointForm<dim>());
-    state.mean.gradient.clear();
-    state.kinematics.resize(patch.n_points);
-    state.acceleration.resize(needs.acceleration ? patch.n_points : 0);
-    state.increment.resize(needs.increment ? patch.n_points : 0);
+  template <int dim>
+  bool
+  Assembler<dim>::gather_velocities(const Patch<dim> &patch)
+  {
+    gather(patch, velocity, dense.velocity);
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::gather_accelerations(const Patch<dim> &patch)
+  {
+    gather(patch, acceleration, dense.acceleration);
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::gather_pressures(const Patch<dim> &patch)
+  {
+    const unsigned int n = patch.n_nodes;
+    for (unsigned int a = 0; a < n; ++a)
+      dense.p[a] = iterate->x.local_element(unknowns[dim * n + a]);
+    std::fill(dense.p.data() + n, dense.p.data() + dense.n_padded, 0.);
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::point_kinematics(const Patch<dim> &patch)
+  {
     for (unsigned int q = 0; q < patch.n_points; ++q)
       {
-        const double *N = table.N(patch, q);
-        const double *G = N + dense.n_padded;
-        if (needs.acceleration && patch.matter)
-          for (unsigned int d = 0; d < dim; ++d)
-            state.acceleration[q][d] =
-              dense.value(dense.acceleration.data() + d * dense.n_padded, N);
-        if (needs.increment && (patch.matter || patch.surface))
-          for (unsigned int d = 0; d < dim; ++d)
-            state.increment[q][d] =
-              dense.value(dense.du.data() + d * dense.n_padded, N);
-        if (!patch.integration)
-          continue;
-
-        PointKinematics<dim> &kin   = state.kinematics[q];
-        const StepPoint<dim> &point = state.point(q);
+        PointKinematics<dim> &kin = state.kinematics[q];
+        const double         *G   = state.table->N(patch, q) + dense.n_padded;
         const Tensor<2, dim>  f =
           unit_symmetric_tensor<dim>() + dense.gradient(dense.du, G);
         kin.det_f = determinant(f);
         if (!(kin.det_f > smallest_det_f))
           return false;
-        const Tensor<2, dim> f_inv = invert(f);
-        kin.f                      = extend(f);
-        kin.f_inv                  = extend(f_inv);
-        kin.J                      = point.J_n * kin.det_f;
+        kin.f     = extend(f);
+        kin.f_inv = extend(Tensor<2, dim>(invert(f)));
+        kin.J     = state.point(q).J_n * kin.det_f;
         for (unsigned int j = 0; j < dim; ++j)
           for (unsigned int i = 0; i < 3; ++i)
             kin.c[j][i] = kin.f_inv[j][i];
-        if (want_v)
-          kin.l = extend(dense.gradient(dense.velocity, G) * f_inv, 0.);
-        if (patch.fluid)
-          kin.p = dense.value(dense.p.data(), N);
       }
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::point_velocity_gradients(const Patch<dim> &patch)
+  {
+    for (unsigned int q = 0; q < patch.n_points; ++q)
+      {
+        const double *G       = state.table->N(patch, q) + dense.n_padded;
+        state.kinematics[q].l = extend(dense.gradient(dense.velocity, G), 0.) *
+                                state.kinematics[q].f_inv;
+      }
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::point_pressures(const Patch<dim> &patch)
+  {
+    for (unsigned int q = 0; q < patch.n_points; ++q)
+      state.kinematics[q].p =
+        dense.value(dense.p.data(), state.table->N(patch, q));
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::point_accelerations(const Patch<dim> &patch)
+  {
+    state.acceleration = interpolate(patch, dense.acceleration);
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::point_increments(const Patch<dim> &patch)
+  {
+    state.increment = interpolate(patch, dense.du);
+    return true;
+  }
+
+  // --- the loop --------------------------------------------------------------
+
+  /// Points the scratch at a step, and computes the nodal fields that the
+  /// terms ask for (terms that do come with inertia).
+  template <int dim>
+  void
+  Assembler<dim>::begin(const SupportTable<dim> &table,
+                        const StepTime          &time,
+                        StepFields              &fields)
+  {
+    state.table = &table;
+    state.time  = &time;
+    iterate     = &fields;
+
+    const unsigned int n = fields.x.locally_owned_size() +
+                           fields.x.get_partitioner()->n_ghost_indices();
+    const auto update = [&](Vector &field, const auto &newmark_rule) {
+      if (field.get_partitioner() != system.partitioner())
+        system.initialize(field);
+      for (unsigned int i = 0; i < n; ++i)
+        field.local_element(i) = newmark_rule(fields.x.local_element(i),
+                                              fields.v_n.local_element(i),
+                                              fields.a_n.local_element(i));
+    };
+    if (use.velocity_gradient)
+      update(velocity, [&](const double du, const double v, const double a) {
+        return time.newmark.velocity(du, v, a);
+      });
+    if (use.acceleration || use.at_nodes)
+      update(acceleration,
+             [&](const double du, const double v, const double a) {
+               return time.newmark.acceleration(du, v, a);
+             });
+  }
+
+  template <int dim>
+  void
+  Assembler<dim>::number_unknowns(const Patch<dim> &patch)
+  {
+    const unsigned int n = patch.n_nodes;
+    unknowns.resize(dense.n_components * n);
+    for (unsigned int a = 0; a < n; ++a)
+      {
+        const unsigned int node = state.table->nodes[patch.first_node + a];
+        for (unsigned int d = 0; d < dim; ++d)
+          unknowns[d * n + a] = system.displacement(node) + d;
+        if (dense.n_components > dim)
+          unknowns[dim * n + a] = system.pressure(node);
+      }
+  }
+
+  /// Everything that the terms of the patch read. False if a point of it is
+  /// inverted.
+  template <int dim>
+  bool
+  Assembler<dim>::prepare(const Kernel &kernel, const Patch<dim> &patch)
+  {
+    dense.reinit(patch, kernel.with_pressure);
+    number_unknowns(patch);
+    state.patch = &patch;
+    state.h     = patch.cell->extent_in_direction(0);
+    state.forms.assign(patch.n_points, PointForm<dim>());
+    state.kinematics.resize(patch.n_points);
+    for (const Preparation step : kernel.prepare)
+      if (!(this->*step)(patch))
+        return false;
+    return true;
+  }
+
+  template <int dim>
+  bool
+  Assembler<dim>::add_patch(const Kernel     &kernel,
+                            const Patch<dim> &patch,
+                            const double      pressure_unit,
+                            const bool        with_tangent,
+                            Vector           &residual)
+  {
+    const bool sampled = ledger.begin_pass();
+    const auto book    = [&](const unsigned int part) {
+      if (sampled)
+        ledger.book(part);
+    };
+    if (!prepare(kernel, patch))
+      return false;
+    book(gathering);
+    for (const unsigned int i : kernel.terms)
+      {
+        terms[i]->add(state, with_tangent);
+        book(first_term + i);
+      }
+    for (const auto step : kernel.forces)
+      (dense.*step)(state);
+    if (with_tangent)
+      for (const auto step : kernel.block)
+        (dense.*step)(state);
+    book(integration);
+    scatter_residual(patch, residual);
+    if (with_tangent && !kernel.block.empty())
+      scatter_tangent(patch, pressure_unit);
+    book(scattering);
     return true;
   }
 
@@ -148,9 +351,8 @@ namespace selkie
                            const bool               with_tangent,
                            Vector                  &residual)
   {
-    const MPI_Comm comm = residual.get_mpi_communicator();
     fields.x.update_ghost_values();
-    compute_nodal_kinematics(time.newmark, fields);
+    begin(table, time, fields);
     residual = 0.;
     if (with_tangent)
       system.matrix() = 0.;
@@ -159,7 +361,9 @@ namespace selkie
     for (const auto &patch : table.patches)
       try
         {
-          if (!prepare(table, patch, time, fields))
+          const Kernel &kernel = kernels[patch.index()];
+          if (!kernel.terms.empty() &&
+              !add_patch(kernel, patch, pressure_unit, with_tangent, residual))
             {
               std::ostringstream out;
               out << "a point of the cell at (" << patch.cell->center()
@@ -168,34 +372,33 @@ namespace selkie
               failure = out.str();
               break;
             }
-          for (const auto &term : terms)
-            if (term->acts_on(patch))
-              term->add(state, with_tangent);
-          dense.integrate_forces(state);
-          scatter_residual(table, patch, residual);
-          if (with_tangent && !patch.surface &&
-              (patch.integration || needs.acceleration))
-            {
-              dense.integrate_block(state);
-              scatter_tangent(table, patch, pressure_unit);
-            }
         }
       catch (const NumericalFailure &error)
         {
           failure = error.what();
           break;
         }
-    throw_on_all_ranks<InvertedPoint>(comm, failure);
+    throw_on_all_ranks<InvertedPoint>(residual.get_mpi_communicator(), failure);
 
     residual.compress(VectorOperation::add);
-    Vector diagonal;
     if (with_tangent)
-      {
-        system.initialize(diagonal);
-        system.matrix().compress(VectorOperation::add);
-      }
-    const NodeState nodes{fields.mass, acceleration, fields.x};
-    for (const auto &term : terms)
+      system.matrix().compress(VectorOperation::add);
+    if (!node_terms.empty())
+      add_at_nodes(time, fields, with_tangent, residual);
+  }
+
+  template <int dim>
+  void
+  Assembler<dim>::add_at_nodes(const StepTime   &time,
+                               const StepFields &fields,
+                               const bool        with_tangent,
+                               Vector           &residual)
+  {
+    const NodeState nodes{fields.mass, acceleration};
+    Vector          diagonal;
+    if (with_tangent)
+      system.initialize(diagonal);
+    for (const Term<dim> *term : node_terms)
       term->add_at_nodes(nodes,
                          time.newmark,
                          residual,
@@ -230,17 +433,20 @@ namespace selkie
                          StepFields              &fields)
   {
     Powers sum;
-    if (!needs.velocity_gradient && !needs.increment)
+    if (!use.energy)
       return sum;
-    compute_nodal_kinematics(time.newmark, fields);
+    fields.x.update_ghost_values();
+    begin(table, time, fields);
     for (const auto &patch : table.patches)
-      if (prepare(table, patch, time, fields))
-        for (const auto &term : terms)
-          if (term->acts_on(patch))
+      {
+        const Kernel &kernel = energy_kernels[patch.index()];
+        if (!kernel.terms.empty() && prepare(kernel, patch))
+          for (const unsigned int i : kernel.terms)
             {
-              sum.dissipation += term->dissipation(state);
-              sum.external_work += term->external_work(state);
+              sum.dissipation += terms[i]->dissipation(state);
+              sum.external_work += terms[i]->external_work(state);
             }
+      }
     const MPI_Comm comm = fields.x.get_mpi_communicator();
     sum.dissipation     = Utilities::MPI::sum(sum.dissipation, comm);
     sum.external_work   = Utilities::MPI::sum(sum.external_work, comm);
@@ -249,8 +455,7 @@ namespace selkie
 
   template <int dim>
   void
-  Assembler<dim>::scatter_residual(const SupportTable<dim> &,
-                                   const Patch<dim> &patch,
+  Assembler<dim>::scatter_residual(const Patch<dim> &patch,
                                    Vector           &residual) const
   {
     for (unsigned int c = 0; c < dense.n_components; ++c)
@@ -261,8 +466,7 @@ namespace selkie
 
   template <int dim>
   void
-  Assembler<dim>::scatter_tangent(const SupportTable<dim> &,
-                                  const Patch<dim> &patch,
+  Assembler<dim>::scatter_tangent(const Patch<dim> &patch,
                                   const double      pressure_unit)
   {
     int    *row_start, *column;

@@ -22,11 +22,11 @@ namespace selkie
 
   template <int dim>
   void
-  DensePatch<dim>::reinit(const Patch<dim> &patch)
+  DensePatch<dim>::reinit(const Patch<dim> &patch, const bool with_pressure)
   {
     n_nodes      = patch.n_nodes;
     n_padded     = patch.n_padded;
-    n_components = patch.fluid ? dim + 1 : dim;
+    n_components = with_pressure ? dim + 1 : dim;
     for (auto *values : {&du, &velocity, &acceleration})
       values->resize_fast(dim * n_padded);
     p.resize_fast(n_padded);
@@ -56,8 +56,9 @@ namespace selkie
   }
 
   template <int dim>
+  template <bool stress, bool source>
   void
-  DensePatch<dim>::integrate_forces(const PatchState<dim> &state)
+  DensePatch<dim>::set_forces(const PatchState<dim> &state)
   {
     force.fill(0.);
     const auto &patch = *state.patch;
@@ -66,34 +67,65 @@ namespace selkie
         const PointForm<dim> &form = state.forms[q];
         const double         *N    = state.table->N(patch, q);
         const double         *G    = N + n_padded;
-        for (unsigned int a = 0; a < n_padded; a += lanes)
-          {
-            const Lanes N_a = load(N + a);
-            for (unsigned int i = 0; i < dim; ++i)
-              {
-                double *r   = force.data() + i * n_padded + a;
-                Lanes   sum = load(r) + form.source[i] * N_a;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int a = 0; a < n_padded; a += lanes)
+            {
+              double *r   = force.data() + i * n_padded + a;
+              Lanes   sum = load(r);
+              if constexpr (source)
+                sum += form.source[i] * load(N + a);
+              if constexpr (stress)
                 for (unsigned int j = 0; j < dim; ++j)
                   sum += form.flux[i][j] * load(G + j * n_padded + a);
-                simd::store(sum, r);
-              }
-            if (patch.fluid && patch.integration)
-              {
-                double     *r = force.data() + dim * n_padded + a;
-                const Lanes sum =
-                  load(r) +
-                  N_a * (form.p_source + form.lumped * (load(p.data() + a) -
-                                                        state.kinematics[q].p));
-                simd::store(sum, r);
-              }
+              simd::store(sum, r);
+            }
+      }
+  }
+
+  template <int dim>
+  void
+  DensePatch<dim>::add_volume_forces(const PatchState<dim> &state)
+  {
+    const auto &patch = *state.patch;
+    for (unsigned int q = 0; q < patch.n_points; ++q)
+      {
+        const PointForm<dim> &form = state.forms[q];
+        const double         *N    = state.table->N(patch, q);
+        for (unsigned int a = 0; a < n_padded; a += lanes)
+          {
+            double     *r = force.data() + dim * n_padded + a;
+            const Lanes sum =
+              load(r) + load(N + a) * (form.p_source +
+                                       form.lumped * (load(p.data() + a) -
+                                                      state.kinematics[q].p));
+            simd::store(sum, r);
           }
       }
-    if (!state.mean.gradient.empty())
-      {
-        const auto g = mean_vector(state, state.mean.gradient);
-        for (unsigned int i = 0; i < g.size(); ++i)
-          force[i] += state.mean.force * g[i];
-      }
+  }
+
+  template <int dim>
+  void
+  DensePatch<dim>::add_mean_forces(const PatchState<dim> &state)
+  {
+    const auto g = mean_vector(state, state.mean.gradient);
+    for (unsigned int i = 0; i < g.size(); ++i)
+      force[i] += state.mean.force * g[i];
+  }
+
+  template <int dim>
+  std::vector<typename DensePatch<dim>::Step>
+  DensePatch<dim>::force_steps(const TermUse &use)
+  {
+    std::vector<Step> steps;
+    if (use.stress || use.source || use.volume)
+      steps.push_back(!use.source   ? &DensePatch::set_forces<true, false>
+                      : !use.stress ? &DensePatch::set_forces<false, true>
+                                    : &DensePatch::set_forces<true, true>);
+    if (use.volume)
+      steps.push_back(&DensePatch::add_volume_forces);
+    if (use.mean)
+      steps.push_back(&DensePatch::add_mean_forces);
+    return steps;
   }
 
   template <int dim>
@@ -133,76 +165,97 @@ namespace selkie
 
   namespace
   {
-    /// The parts of one point's block row that depend on node a only: for each
-    /// pair of components, the factors of G_l (l < dim) and of N_b.
-    template <int dim, int n_components>
+    /// The parts of one point's block row that depend on node a only: the
+    /// factors of G_l and of N_b in the displacement block, of N_b in K_up, of
+    /// G_l in K_pu and of N_b in K_pp.
+    template <int dim>
     struct RowFactors
     {
-      double G[n_components][n_components][dim];
-      double N[n_components][n_components];
+      double G[dim][dim][dim];
+      double mass;
+      double up[dim], pu[dim][dim], pp;
     };
 
-    template <int dim, int n_components>
+    template <int dim, bool pressure>
     void
-    row_factors(const PointForm<dim>          &form,
-                const double                  *G, // G_a, strided
-                const unsigned int             stride,
-                const double                   N_a,
-                RowFactors<dim, n_components> &row)
+    row_factors(const PointForm<dim> &form,
+                const double         *G, // G_a, strided
+                const unsigned int    stride,
+                const double          N_a,
+                RowFactors<dim>      &row)
+    {
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int l = 0; l < dim; ++l)
+            {
+              double sum = 0.;
+              for (unsigned int j = 0; j < dim; ++j)
+                sum += form.stiffness[j][l][i][k] * G[j * stride];
+              row.G[i][k][l] = sum;
+            }
+      row.mass = form.mass * N_a;
+      if constexpr (pressure)
+        {
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              row.up[i] = 0.;
+              for (unsigned int j = 0; j < dim; ++j)
+                {
+                  row.up[i] += form.coupling[i][j] * G[j * stride];
+                  row.pu[i][j] = N_a * form.coupling[i][j];
+                }
+            }
+          row.pp = N_a * (form.p_stiffness - form.lumped);
+        }
+    }
+
+    /// Adds one point's part of the block row to sum, for full lanes of nodes
+    /// b.
+    template <int dim, int n_components, bool mass>
+    void
+    add_row(const RowFactors<dim> &row,
+            const Lanes           &N_b,
+            const Lanes (&G_b)[dim],
+            Lanes (&sum)[n_components][n_components])
     {
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int k = 0; k < dim; ++k)
           {
+            if (mass && i == k)
+              sum[i][k] += row.mass * N_b;
             for (unsigned int l = 0; l < dim; ++l)
-              {
-                double sum = 0.;
-                for (unsigned int j = 0; j < dim; ++j)
-                  sum += form.stiffness[j][l][i][k] * G[j * stride];
-                row.G[i][k][l] = sum;
-              }
-            row.N[i][k] = (i == k) ? form.mass * N_a : 0.;
+              sum[i][k] += row.G[i][k][l] * G_b[l];
           }
       if constexpr (n_components > dim)
         {
           for (unsigned int i = 0; i < dim; ++i)
             {
-              double up = 0.;
-              for (unsigned int j = 0; j < dim; ++j)
-                up += form.coupling[i][j] * G[j * stride];
+              sum[i][dim] += row.up[i] * N_b;
               for (unsigned int l = 0; l < dim; ++l)
-                {
-                  row.G[i][dim][l] = 0.;
-                  row.G[dim][i][l] = N_a * form.coupling[i][l];
-                }
-              row.N[i][dim] = up;
-              row.N[dim][i] = 0.;
+                sum[dim][i] += row.pu[i][l] * G_b[l];
             }
-          for (unsigned int l = 0; l < dim; ++l)
-            row.G[dim][dim][l] = 0.;
-          row.N[dim][dim] = N_a * (form.p_stiffness - form.lumped);
+          sum[dim][dim] += row.pp * N_b;
         }
     }
 
     /// All rows of the block: for each node a, the products with the other
     /// nodes are summed over the points in registers and stored once.
-    template <int dim, int n_components>
+    template <int dim, int n_components, bool mass>
     void
     fill_block(const PatchState<dim> &state,
                const unsigned int     n_padded,
                double                *block)
     {
-      const auto &patch = *state.patch;
-      thread_local std::vector<RowFactors<dim, n_components>> rows;
+      const auto                               &patch = *state.patch;
+      thread_local std::vector<RowFactors<dim>> rows;
       rows.resize(patch.n_points);
       for (unsigned int a = 0; a < patch.n_nodes; ++a)
         {
-          double lumped = 0.;
           for (unsigned int q = 0; q < patch.n_points; ++q)
             {
               const double *N = state.table->N(patch, q);
-              row_factors<dim, n_components>(
+              row_factors<dim, (n_components > dim)>(
                 state.forms[q], N + n_padded + a, n_padded, N[a], rows[q]);
-              lumped += state.forms[q].lumped * N[a];
             }
           double *row =
             block + std::size_t(a) * n_components * n_components * n_padded;
@@ -216,13 +269,7 @@ namespace selkie
                   Lanes         G_b[dim];
                   for (unsigned int l = 0; l < dim; ++l)
                     G_b[l] = load(N + (l + 1) * n_padded + b);
-                  for (unsigned int i = 0; i < n_components; ++i)
-                    for (unsigned int k = 0; k < n_components; ++k)
-                      {
-                        sum[i][k] += rows[q].N[i][k] * N_b;
-                        for (unsigned int l = 0; l < dim; ++l)
-                          sum[i][k] += rows[q].G[i][k][l] * G_b[l];
-                      }
+                  add_row<dim, n_components, mass>(rows[q], N_b, G_b, sum);
                 }
               for (unsigned int i = 0; i < n_components; ++i)
                 for (unsigned int k = 0; k < n_components; ++k)
@@ -230,23 +277,37 @@ namespace selkie
                               row + (i * n_components + k) * n_padded + b);
             }
           if constexpr (n_components > dim)
-            row[(dim * n_components + dim) * n_padded + a] += lumped;
+            for (unsigned int q = 0; q < patch.n_points; ++q)
+              row[(dim * n_components + dim) * n_padded + a] +=
+                state.forms[q].lumped * state.table->N(patch, q)[a];
         }
     }
   } // namespace
 
   template <int dim>
+  template <int n_components, bool mass>
   void
-  DensePatch<dim>::integrate_block(const PatchState<dim> &state)
+  DensePatch<dim>::set_block(const PatchState<dim> &state)
   {
     block.resize_fast(std::size_t(n_nodes) * n_components * n_components *
                       n_padded);
-    if (n_components > dim)
-      fill_block<dim, dim + 1>(state, n_padded, block.data());
-    else
-      fill_block<dim, dim>(state, n_padded, block.data());
-    if (!state.mean.gradient.empty())
-      add_mean_block(state);
+    fill_block<dim, n_components, mass>(state, n_padded, block.data());
+  }
+
+  template <int dim>
+  std::vector<typename DensePatch<dim>::Step>
+  DensePatch<dim>::block_steps(const TermUse &use)
+  {
+    std::vector<Step> steps;
+    if (use.volume)
+      steps.push_back(use.mass ? &DensePatch::set_block<dim + 1, true>
+                               : &DensePatch::set_block<dim + 1, false>);
+    else if (use.stress || use.mass)
+      steps.push_back(use.mass ? &DensePatch::set_block<dim, true>
+                               : &DensePatch::set_block<dim, false>);
+    if (use.mean)
+      steps.push_back(&DensePatch::add_mean_block);
+    return steps;
   }
 
   template class DensePatch<2>;

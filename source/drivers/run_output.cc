@@ -41,6 +41,18 @@ namespace selkie
                               : format("%.1f h", seconds / 3600.);
     }
 
+    /// The mean over the ranks of what each part of the assembly cost.
+    template <int dim>
+    std::vector<CostLedger::Entry>
+    costs(const Stepper<dim> &stepper, const MPI_Comm comm)
+    {
+      auto entries = stepper.costs().entries();
+      for (auto &entry : entries)
+        entry.seconds = Utilities::MPI::sum(entry.seconds, comm) /
+                        Utilities::MPI::n_mpi_processes(comm);
+      return entries;
+    }
+
     template <int dim>
     NodeMotion<dim>
     node_motion(const Stepper<dim> &stepper)
@@ -72,7 +84,7 @@ namespace selkie
     log.open(scene.output.directory);
     log.line(banner(comm));
     log.line("Scene     " + scene.title + " (" + scene.file + ")");
-    log.line("Effects   " + join(scene.effects));
+    log.line("Effects   " + join(scene.effect_names()));
     log.line("Output    " + scene.output.directory);
   }
 
@@ -89,14 +101,13 @@ namespace selkie
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     statistics.open(scene.output.directory + "/statistics.csv", root);
     vtu = std::make_unique<VtuWriter<dim>>(scene.output.directory, particles);
-    if (!scene.probes.empty())
-      probes =
-        std::make_unique<Probes<dim>>(scene, particles, scene.output.directory);
+    for (const auto &active : scene.effects)
+      if (auto recorder = active.effect->recorder(particles))
+        recordings.push_back({std::move(recorder)});
     present        = audit(particles);
     initial_energy = present.energy();
     write_fields(0., 0, nullptr, scene.time.step);
-    if (probes)
-      probes->record(0., WallForces<dim>(), node_motion(stepper));
+    record_effects(0., stepper, WallForces<dim>());
     start_wall = timers.wall_time();
   }
 
@@ -116,18 +127,30 @@ namespace selkie
     present  = audit(particles);
     write_row(particles, time, dt, report);
 
+    record_effects(time.now(), stepper, WallForces<dim>{report.wall_force});
     const double slack = 1e-6 * scene.time.step;
-    if (probes && time.now() >= next_probes - slack)
-      {
-        probes->record(time.now(),
-                       WallForces<dim>{report.wall_force},
-                       node_motion(stepper));
-        next_probes += scene.output.probe_interval;
-      }
     if (scene.output.interval > 0. &&
         (time.now() >= next_fields - slack || time.at_end()))
       write_fields(time.now(), time.number(), &stepper, dt);
     show_progress(time, dt, report);
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::record_effects(const double           time,
+                                 const Stepper<dim>    &stepper,
+                                 const WallForces<dim> &walls)
+  {
+    const double slack = 1e-6 * scene.time.step;
+    for (Recording &recording : recordings)
+      if (time >= recording.next - slack)
+        {
+          TimerTree::Scope scope(timers, recording.recorder->name());
+          const double     interval = recording.recorder->interval();
+          recording.recorder->record(time, walls, node_motion(stepper));
+          while (interval > 0. && recording.next <= time + slack)
+            recording.next += interval;
+        }
   }
 
   template <int dim>
@@ -180,7 +203,8 @@ namespace selkie
     const auto       fields = stepper->nodal_fields(dt);
     NodalOutput<dim> mesh;
     mesh.cloud = &stepper->system().cloud;
-    mesh.scalars.emplace_back("mass", fields.mass);
+    if (scene.inertia)
+      mesh.scalars.emplace_back("mass", fields.mass);
     if (scene.has_fluid())
       mesh.scalars.emplace_back("pressure", fields.pressure);
     if (scene.inertia)
@@ -214,23 +238,27 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::close(const ParticleSet<dim> &particles,
+                        const Stepper<dim>     &stepper,
                         const TimeControl      &time,
                         const std::string      &failure)
   {
     Summary summary;
-    summary.title      = scene.title;
-    summary.file       = scene.file;
-    summary.effects    = scene.effects;
-    summary.ranks      = Utilities::MPI::n_mpi_processes(comm);
-    summary.points     = particles.handler().n_global_particles();
-    summary.unknowns   = unknowns;
-    summary.steps      = time.number();
-    summary.end_time   = time.now();
-    summary.failure    = failure;
-    summary.audit      = present;
-    summary.accounting = particles.accounting;
-    summary.wall_time  = timers.wall_time();
-    summary.timings    = timers.rows();
+    summary.title           = scene.title;
+    summary.file            = scene.file;
+    summary.effects         = scene.effect_names();
+    summary.ranks           = Utilities::MPI::n_mpi_processes(comm);
+    summary.points          = particles.handler().n_global_particles();
+    summary.unknowns        = unknowns;
+    summary.nonzeros        = stepper.system().n_nonzeros();
+    summary.bytes_per_point = 8 * particles.fields.n_components();
+    summary.steps           = time.number();
+    summary.end_time        = time.now();
+    summary.failure         = failure;
+    summary.audit           = present;
+    summary.accounting      = particles.accounting;
+    summary.wall_time       = timers.wall_time();
+    summary.timings         = timers.rows();
+    summary.costs           = costs(stepper, comm);
     if (root)
       write_summary(scene.output.directory + "/summary.json", summary);
     timers.write_csv(scene.output.directory + "/timing.csv");
@@ -249,9 +277,10 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::finish(const ParticleSet<dim> &particles,
+                         const Stepper<dim>     &stepper,
                          const TimeControl      &time)
   {
-    close(particles, time, "");
+    close(particles, stepper, time, "");
     log.line(format("Done      %u steps to t = %g s in %s, %u cuts",
                     time.number(),
                     time.now(),
@@ -262,6 +291,7 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::fail(ParticleSet<dim>                          &particles,
+                       const Stepper<dim>                        &stepper,
                        parallel::distributed::Triangulation<dim> &mesh,
                        const TimeControl                         &time,
                        const std::string                         &why)
@@ -273,7 +303,7 @@ namespace selkie
                                                 time.now(),
                                                 time.number(),
                                                 time.step());
-    close(particles, time, why);
+    close(particles, stepper, time, why);
     log.line(format("Failed    at t = %g s, with the smallest time step "
                     "%.3g s:",
                     time.now(),
@@ -294,7 +324,7 @@ namespace selkie
     const auto   n_points = particles.handler().n_global_particles();
     const double steps    = std::ceil(scene.time.end_time / scene.time.step);
     log.line("Scene     " + scene.title + " (" + scene.file + ")");
-    log.line("Effects   " + join(scene.effects));
+    log.line("Effects   " + join(scene.effect_names()));
     log.line("Terms     " + join(stepper.term_names()));
     std::vector<std::string> columns;
     for (const auto &entry : particles.fields.entries())

@@ -5,7 +5,6 @@
 #include <selkie/drivers/stepper.h>
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/output/checkpoint.h>
-#include <selkie/particles/hydrostatic.h>
 #include <selkie/time/time_control.h>
 
 namespace selkie
@@ -23,7 +22,8 @@ namespace selkie
         , particles(scene, *mesh)
       {
         particles.seed();
-        set_hydrostatic_state(particles);
+        for (const auto &active : scene.effects)
+          active.effect->start(particles);
         if (scene.approximation == Approximation::lme_mpm)
           cloud = std::make_unique<NodeCloud<dim>>(*mesh,
                                                    scene.lme.gamma,
@@ -101,14 +101,14 @@ namespace selkie
           }
         catch (const NumericalFailure &failure)
           {
-            output.fail(particles, *setup->mesh, time, failure.what());
+            output.fail(particles, stepper, *setup->mesh, time, failure.what());
             return 2;
           }
         const double dt = time.step();
         time.advance(report.largest_speed);
         output.record(particles, stepper, time, dt, report);
       }
-    output.finish(particles, time);
+    output.finish(particles, stepper, time);
     return 0;
   }
 

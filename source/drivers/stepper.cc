@@ -1,6 +1,5 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/stepper.h>
-#include <selkie/laws/newtonian_fluid.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -22,7 +21,7 @@ namespace selkie
     , cloud(cloud)
     , timers(timers)
     , conditions(scene, cloud)
-    , terms(make_terms(scene))
+    , terms(terms_of(scene))
     , unknowns(cloud, conditions, scene.has_fluid())
     , assembler(terms, unknowns)
     , linear_solver(scene.linear_solver, std::move(log))
@@ -123,17 +122,10 @@ namespace selkie
         if (body.law->phase() == Phase::solid)
           traits.has_solid = true;
         else
-          {
-            const auto &fluid = static_cast<const FluidLaw &>(*body.law);
-            traits.mixed      = true;
-            // The unsymmetric part is of the order of mu |l| against the
-            // inertia; for water it is round-off.
-            if (scene.viscosity &&
-                fluid.viscosity() * newmark.alpha4 >
-                  1e-2 * fluid.density() * h * h * newmark.alpha1)
-              traits.symmetric = false;
-          }
+          traits.mixed = true;
       }
+    for (const auto &term : terms)
+      traits.symmetric = traits.symmetric && term->symmetric(newmark, h);
     return traits;
   }
 
@@ -142,9 +134,10 @@ namespace selkie
   Stepper<dim>::set_predictor(const Newmark &newmark)
   {
     for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
-      fields.x.local_element(i) =
-        newmark.predictor(fields.v_n.local_element(i),
-                          fields.a_n.local_element(i));
+      if (!unknowns.held(i))
+        fields.x.local_element(i) =
+          newmark.predictor(fields.v_n.local_element(i),
+                            fields.a_n.local_element(i));
   }
 
   namespace
@@ -215,9 +208,12 @@ namespace selkie
   double
   Stepper<dim>::residual_scale(const Newmark &newmark) const
   {
-    const double g   = scene.gravity ? scene.gravity->norm() : 0.;
-    double       sum = 0.;
-    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+    double g = 0., sum = 0.;
+    for (const auto &term : terms)
+      g += term->acceleration_scale();
+    for (unsigned int i = 0;
+         scene.inertia && i < unknowns.n_owned_displacements();
+         ++i)
       {
         const double M = fields.mass.local_element(i);
         sum += std::pow(M * g, 2) +
@@ -300,7 +296,8 @@ namespace selkie
   {
     const StepTime time{t, newmark(dt)};
     build_supports(t, dt);
-    set_predictor(time.newmark);
+    if (scene.inertia)
+      set_predictor(time.newmark);
     fields.x.update_ghost_values();
 
     Vector residual;
@@ -358,11 +355,7 @@ namespace selkie
         double             v2    = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           {
-            v2 +=
-              std::pow(time.newmark.velocity(fields.x.local_element(u + d),
-                                             fields.v_n.local_element(u + d),
-                                             fields.a_n.local_element(u + d)),
-                       2);
+            v2 += std::pow(fields.velocity(time.newmark, u + d), 2);
             if (!unknowns.held(u + d))
               continue;
             const double R = residual.local_element(u + d);
@@ -437,19 +430,22 @@ namespace selkie
   {
     NodalFields   result;
     const Newmark scheme = newmark(dt);
-    for (auto &component : result.velocity)
-      component.reinit(cloud.partitioner());
-    result.mass.reinit(cloud.partitioner());
-    result.pressure.reinit(cloud.partitioner());
+    if (scene.inertia)
+      {
+        result.mass.reinit(cloud.partitioner());
+        for (auto &component : result.velocity)
+          component.reinit(cloud.partitioner());
+      }
+    if (scene.has_fluid())
+      result.pressure.reinit(cloud.partitioner());
     for (const unsigned int node : unknowns.owned_nodes())
       {
         const unsigned int u = unknowns.displacement(node);
-        for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int d = 0; scene.inertia && d < dim; ++d)
           result.velocity[d].local_element(node) =
-            scheme.velocity(fields.x.local_element(u + d),
-                            fields.v_n.local_element(u + d),
-                            fields.a_n.local_element(u + d));
-        result.mass.local_element(node) = fields.mass.local_element(u);
+            fields.velocity(scheme, u + d);
+        if (scene.inertia)
+          result.mass.local_element(node) = fields.mass.local_element(u);
         if (unknowns.pressure(node) != invalid_index)
           result.pressure.local_element(node) =
             fields.x.local_element(unknowns.pressure(node));

@@ -1,4 +1,5 @@
 #include <selkie/laws/isochoric_neo_hookean.h>
+#include <selkie/laws/law_table.h>
 
 #include <cmath>
 
@@ -55,5 +56,17 @@ namespace selkie
     w.WJJ = 5. / 9. * lame.G * shape / (J * J) * invariants.I1 +
             0.5 * K * (1. + 1. / (J * J));
     return response_from(w, invariants);
+  }
+
+  LawRow
+  isochoric_neo_hookean_law()
+  {
+    return {
+      "isochoric neo hookean",
+      "Neo-Hookean solid with decoupled shape and volume changes, W = "
+      "G/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 ln J), K = Lambda + 2/3 G: "
+      "the law of deal.II's examples, for nearly incompressible solids.",
+      &declare_elastic_constants,
+      &create_elastic<IsochoricNeoHookean>};
   }
 } // namespace selkie

@@ -1,3 +1,4 @@
+#include <selkie/laws/law_table.h>
 #include <selkie/laws/mooney_rivlin.h>
 
 #include <cmath>
@@ -5,6 +6,45 @@
 
 namespace selkie
 {
+  namespace
+  {
+    using dealii::ParameterHandler;
+    using dealii::Patterns::Double;
+
+    void
+    declare_mooney_rivlin(ParameterHandler &prm)
+    {
+      declare_density(prm);
+      prm.declare_entry("Mooney C10",
+                        "1e5",
+                        Double(0.),
+                        "Factor of I1 - 3 in the energy; greater than 0. The "
+                        "shear modulus is 2 (C10 + C01). Units: Pa.");
+      prm.declare_entry("Mooney C01",
+                        "2e4",
+                        Double(0.),
+                        "Factor of I2 - 3 in the energy; at least 0. "
+                        "Units: Pa.");
+      prm.declare_entry("Bulk modulus",
+                        "1e6",
+                        Double(0.),
+                        "Bulk modulus at small strain; at least 4/3 C10 + 16/3 "
+                        "C01. Units: Pa.");
+    }
+
+
+    std::unique_ptr<const Law>
+    create_mooney_rivlin(ParameterHandler &prm)
+    {
+      return std::make_unique<const MooneyRivlin>(prm.get_double("Mooney C10"),
+                                                  prm.get_double("Mooney C01"),
+                                                  prm.get_double(
+                                                    "Bulk modulus"),
+                                                  prm.get_double("Density"));
+    }
+  } // namespace
+
+
   MooneyRivlin::MooneyRivlin(const double C10,
                              const double C01,
                              const double K,
@@ -71,5 +111,17 @@ namespace selkie
     w.WJ  = (0.5 * Lambda * (J2 - 1.) - log_factor) / J;
     w.WJJ = (0.5 * Lambda * (J2 + 1.) + log_factor) / J2;
     return response_from(w, invariants);
+  }
+
+  LawRow
+  mooney_rivlin_law()
+  {
+    return {
+      "mooney rivlin",
+      "Compressible Mooney-Rivlin solid, W = C10 (I1 - 3) + C01 (I2 - 3) - "
+      "(2 C10 + 4 C01) ln J + (K - 4/3 C10 - 16/3 C01)/4 (J^2 - 1 - 2 ln J): "
+      "rubber.",
+      &declare_mooney_rivlin,
+      &create_mooney_rivlin};
   }
 } // namespace selkie

@@ -1,3 +1,4 @@
+#include <selkie/laws/law_table.h>
 #include <selkie/laws/neo_hookean.h>
 
 #include <cmath>
@@ -51,5 +52,15 @@ namespace selkie
     response.Gamma[0]  = lame.Lambda * J2;
     response.Gamma[7]  = 2. * (lame.G - volumetric);
     return response;
+  }
+
+  LawRow
+  neo_hookean_law()
+  {
+    return {"neo hookean",
+            "Compressible neo-Hookean solid, W = G/2 (tr C - 3) - G ln J + "
+            "Lambda/4 (J^2 - 1 - 2 ln J). The solid of choice at large strain.",
+            &declare_elastic_constants,
+            &create_elastic<NeoHookean>};
   }
 } // namespace selkie

@@ -1,3 +1,4 @@
+#include <selkie/laws/law_table.h>
 #include <selkie/laws/newtonian_fluid.h>
 
 #include <cmath>
@@ -5,6 +6,35 @@
 
 namespace selkie
 {
+  namespace
+  {
+    using dealii::ParameterHandler;
+    using dealii::Patterns::Double;
+
+    void
+    declare_newtonian_fluid(ParameterHandler &prm)
+    {
+      declare_compressible_fluid(prm);
+      prm.declare_entry("Viscosity",
+                        "1e-3",
+                        Double(0.),
+                        "Dynamic shear viscosity; at least 0. Units: Pa s.");
+    }
+
+
+    std::unique_ptr<const Law>
+    create_newtonian_fluid(ParameterHandler &prm)
+    {
+      return std::make_unique<const NewtonianFluid>(
+        prm.get_double("Bulk modulus"),
+        prm.get_double("Pressure exponent"),
+        prm.get_double("Reference pressure"),
+        prm.get_double("Viscosity"),
+        prm.get_double("Density"));
+    }
+  } // namespace
+
+
   NewtonianFluid::NewtonianFluid(const double K,
                                  const double n,
                                  const double p0,
@@ -83,16 +113,23 @@ namespace selkie
 
 
   double
-  NewtonianFluid::viscosity() const
+  NewtonianFluid::bulk_modulus() const
   {
-    return mu;
+    return K;
+  }
+
+
+  FluidLaw::Viscosity
+  NewtonianFluid::viscosity(const double) const
+  {
+    return {mu};
   }
 
 
   double
-  NewtonianFluid::bulk_modulus() const
+  NewtonianFluid::largest_viscosity() const
   {
-    return K;
+    return mu;
   }
 
 
@@ -111,63 +148,14 @@ namespace selkie
     return J_to_minus_n;
   }
 
-
-  Tensor<2, 3>
-  viscous_stress(const double mu, const double J, const Tensor<2, 3> &l)
+  LawRow
+  newtonian_fluid_law()
   {
-    return 2. * mu * J * dev(sym(l));
-  }
-
-
-  Tensor<2, 3>
-  viscous_tangent(const double        mu_J,
-                  const Tensor<2, 3> &d_dev,
-                  const Tensor<2, 3> &slope,
-                  const Tensor<1, 3> &g_a,
-                  const Tensor<1, 3> &g_b)
-  {
-    const Tensor<1, 3> d_g_a     = d_dev * g_a;
-    const Tensor<1, 3> d_g_b     = d_dev * g_b;
-    const Tensor<1, 3> g_a_slope = g_a * slope;
-    const Tensor<1, 3> g_b_slope = g_b * slope;
-
-    Tensor<2, 3> K = (g_a * g_b) * slope;
-    K += outer_product(2. * d_g_a, g_b);
-    K += outer_product(g_b, g_a_slope);
-    K -= outer_product(2. * d_g_b, g_a);
-    K -= outer_product(2. / 3. * g_a, g_b_slope);
-    return mu_J * K;
-  }
-
-
-  Tensor<2, 3>
-  viscous_tangent(const double        mu,
-                  const double        J,
-                  const Tensor<2, 3> &l,
-                  const double        alpha4,
-                  const Tensor<1, 3> &g_a,
-                  const Tensor<1, 3> &g_b)
-  {
-    return viscous_tangent(
-      mu * J, dev(sym(l)), alpha4 * identity() - l, g_a, g_b);
-  }
-
-
-  Tensor<2, 3>
-  pressure_tangent_displacement(const double        p,
-                                const double        J,
-                                const double        dp_dJ,
-                                const Tensor<1, 3> &g_a,
-                                const Tensor<1, 3> &g_b)
-  {
-    return outer_product(-J * (p + J * dp_dJ) * g_a, g_b) +
-           outer_product(J * p * g_b, g_a);
-  }
-
-
-  double
-  viscous_dissipation(const double mu, const double J, const Tensor<2, 3> &l)
-  {
-    return 2. * mu * J * dev(sym(l)).norm_square();
+    return {
+      "newtonian fluid",
+      "Weakly compressible fluid with p = p0 + K/n (J^-n - 1) and a constant "
+      "shear viscosity.",
+      &declare_newtonian_fluid,
+      &create_newtonian_fluid};
   }
 } // namespace selkie

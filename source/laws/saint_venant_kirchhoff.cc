@@ -1,3 +1,4 @@
+#include <selkie/laws/law_table.h>
 #include <selkie/laws/saint_venant_kirchhoff.h>
 
 #include <cmath>
@@ -49,5 +50,16 @@ namespace selkie
     w.W2  = -lame.G / 2.;
     w.W11 = lame.Lambda / 4. + lame.G / 2.;
     return response_from(w, invariants);
+  }
+
+  LawRow
+  saint_venant_kirchhoff_law()
+  {
+    return {
+      "saint venant kirchhoff",
+      "Stress linear in the Green-Lagrange strain: for large rotations and "
+      "small strains. It softens and fails in strong compression.",
+      &declare_elastic_constants,
+      &create_elastic<SaintVenantKirchhoff>};
   }
 } // namespace selkie

@@ -1,5 +1,5 @@
+#include <selkie/laws/fluid_law.h>
 #include <selkie/laws/hyperelastic_law.h>
-#include <selkie/laws/newtonian_fluid.h>
 #include <selkie/output/audit.h>
 
 #include <deal.II/base/mpi.templates.h> // all_reduce of own types

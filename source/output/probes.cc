@@ -45,8 +45,10 @@ namespace selkie
   template <int dim>
   Probes<dim>::Probes(const Scene<dim>       &scene,
                       const ParticleSet<dim> &particles,
-                      const std::string      &directory)
+                      const std::string      &directory,
+                      const double            interval)
     : particles(particles)
+    , seconds(interval)
   {
     using Kind = typename Probe<dim>::Kind;
     const auto rank =

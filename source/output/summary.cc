@@ -72,6 +72,23 @@ namespace selkie
         }
       return list;
     }
+
+    std::vector<JsonObject>
+    to_json(const std::vector<CostLedger::Entry> &costs)
+    {
+      double total = 0.;
+      for (const CostLedger::Entry &entry : costs)
+        total += entry.seconds;
+      std::vector<JsonObject> list;
+      for (const CostLedger::Entry &entry : costs)
+        {
+          list.emplace_back();
+          list.back().add("part", entry.part);
+          list.back().add("seconds", entry.seconds);
+          list.back().add("share", total > 0. ? entry.seconds / total : 0.);
+        }
+      return list;
+    }
   } // namespace
 
 
@@ -89,12 +106,15 @@ namespace selkie
     json.add("ranks", summary.ranks);
     json.add("effects", summary.effects);
     json.add("points", summary.points);
+    json.add("bytes per point", summary.bytes_per_point);
     json.add("unknowns", summary.unknowns);
+    json.add("matrix nonzeros", summary.nonzeros);
     json.add("steps", summary.steps);
     json.add("final time (s)", summary.end_time);
     json.add("final figures", to_json(summary.audit));
     json.add("material points", to_json(summary.accounting));
     json.add("wall time (s)", summary.wall_time);
+    json.add("assembly by effect", to_json(summary.costs));
     json.add("timings", to_json(summary.timings));
     json.write(path);
   }

@@ -215,6 +215,48 @@ namespace selkie
           fail(scene, path + "Shape", why.str());
         }
     }
+
+
+    /// Velocities of walls and node sets go with the condition 'prescribed',
+    /// and that with the effect that allows it.
+    template <int dim>
+    void
+    check_conditions(const Scene<dim> &scene)
+    {
+      bool       moves = false;
+      const auto check = [&](const NodeCondition condition,
+                             const bool          has_velocity,
+                             const std::string  &velocity_path,
+                             const std::string  &condition_path) {
+        const bool prescribed = (condition == NodeCondition::prescribed);
+        if (prescribed && !has_velocity)
+          fail(scene,
+               velocity_path,
+               "a prescribed motion needs a velocity, one function per "
+               "component, separated by semicolons");
+        if (!prescribed && has_velocity)
+          fail(scene,
+               condition_path,
+               "a velocity is given, so allowed is only 'prescribed'");
+        moves = moves || prescribed;
+      };
+      const auto names = wall_names<dim>();
+      for (unsigned int w = 0; w < names.size(); ++w)
+        check(scene.domain.walls[w].condition,
+              scene.domain.walls[w].velocity != nullptr,
+              "Domain/Walls/" + names[w] + " velocity",
+              "Domain/Walls/" + names[w]);
+      for (const auto &set : scene.node_sets)
+        check(set.condition,
+              set.velocity != nullptr,
+              "Node sets/" + set.name + "/Velocity",
+              "Node sets/" + set.name + "/Condition");
+      if (moves && !scene.has_effect("prescribed motion"))
+        fail(scene,
+             "Effects",
+             "a wall or a node set is 'prescribed'; that needs the effect "
+             "'prescribed motion'");
+    }
   } // namespace
 
 
@@ -250,6 +292,7 @@ namespace selkie
       }
     for (const auto &set : scene.node_sets)
       check_node_set(scene, set);
+    check_conditions(scene);
   }
 
 

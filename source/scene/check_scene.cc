@@ -73,29 +73,15 @@ namespace selkie
 
     template <int dim>
     void
-    check_inertia(const Scene<dim> &scene)
+    check_static(const Scene<dim> &scene)
     {
-      if (!scene.inertia)
-        {
-          if (!is_held(scene))
-            fail(scene,
-                 "Effects",
-                 "a scene without inertia is static, and no boundary condition "
-                 "holds it: all walls are free and there is no node set. "
-                 "Allowed are a wall that is fixed, slip or prescribed, a node "
-                 "set, or the effect 'inertia'");
-          if (scene.has_fluid())
-            fail(scene,
-                 "Effects",
-                 "a scene without 'inertia' is static, and nothing but inertia "
-                 "keeps a fluid in shape; list 'inertia'");
-          return;
-        }
-      if (2 * scene.inertia->newmark_beta < scene.inertia->newmark_gamma)
+      if (!scene.inertia && !is_held(scene))
         fail(scene,
-             "Inertia/Newmark beta",
-             "Newmark's scheme is unstable below 'Newmark gamma' / 2; allowed "
-             "is at least that, advised (gamma + 1/2)^2 / 4");
+             "Effects",
+             "a scene without inertia is static, and no boundary condition "
+             "holds it: all walls are free and there is no node set. "
+             "Allowed are a wall that is fixed, slip or prescribed, a node "
+             "set, or the effect 'inertia'");
     }
 
 
@@ -150,6 +136,21 @@ namespace selkie
 
 
   template <int dim>
+  void
+  fail_without_need(const Scene<dim>  &scene,
+                    const std::string &effect,
+                    const std::string &path,
+                    const std::string &nothing)
+  {
+    fail(scene,
+         path,
+         "the effect '" + effect + "' is listed with " + nothing +
+           ": it would do nothing and cost " + find_effect(effect)->cost +
+           ". Give it something to do, or remove it from 'Effects'");
+  }
+
+
+  template <int dim>
   double
   cell_size(const Domain<dim> &domain)
   {
@@ -167,9 +168,10 @@ namespace selkie
     if (scene.approximation == Approximation::lme_mpm)
       check_lme(scene);
     check_time(scene);
-    check_inertia(scene);
+    check_static(scene);
     check_geometry(scene);
-    check_effects(scene);
+    for (const auto &active : scene.effects)
+      active.effect->check(scene);
     check_output(scene);
   }
 
@@ -178,6 +180,16 @@ namespace selkie
   fail(const Scene<2> &, const std::string &, const std::string &);
   template void
   fail(const Scene<3> &, const std::string &, const std::string &);
+  template void
+  fail_without_need(const Scene<2> &,
+                    const std::string &,
+                    const std::string &,
+                    const std::string &);
+  template void
+  fail_without_need(const Scene<3> &,
+                    const std::string &,
+                    const std::string &,
+                    const std::string &);
   template double
   cell_size(const Domain<2> &);
   template double

@@ -16,16 +16,6 @@ namespace selkie
     using Patterns::Double;
     using Patterns::Integer;
 
-    std::string
-    effect_names()
-    {
-      std::string names;
-      for (const auto &row : effect_table())
-        names += (names.empty() ? "" : "|") + row.name;
-      return names;
-    }
-
-
     template <int dim>
     void
     declare_general(ParameterHandler &prm, Scene<dim> &scene)
@@ -52,7 +42,7 @@ namespace selkie
                  "the bodies, moves with the matter. Units: none.");
       prm.declare_entry("Effects",
                         "inertia",
-                        Patterns::MultipleSelection(effect_names()),
+                        Patterns::MultipleSelection(listed_effects("|")),
                         "The effects that this scene calls for; a parameter of "
                         "an effect that is not listed is an error. "
                         "Units: none.");
@@ -349,6 +339,26 @@ namespace selkie
     }
 
 
+    /// Makes the effects of the scene; each declares its own parameters.
+    template <int dim>
+    void
+    declare_effects(ParameterHandler &prm,
+                    const SceneNames &names,
+                    Scene<dim>       &scene)
+    {
+      for (const EffectRow *row : effects_of(names))
+        {
+          const auto effect = row->make<dim>();
+          if (!row->section.empty())
+            prm.enter_subsection(row->section);
+          effect->declare(prm, names, scene);
+          if (!row->section.empty())
+            prm.leave_subsection();
+          scene.effects.push_back({row->name, effect});
+        }
+    }
+
+
     void
     declare_output(ParameterHandler &prm, OutputParameters &output)
     {
@@ -379,40 +389,32 @@ namespace selkie
   }
 
 
+  namespace
+  {
+    bool
+    has_phase(const std::vector<const LawRow *> &laws, const Phase phase)
+    {
+      // Only a law knows its phase, so ask one made from the defaults.
+      return std::any_of(laws.begin(), laws.end(), [phase](const LawRow *row) {
+        ParameterHandler defaults;
+        row->declare(defaults);
+        return row->create(defaults)->phase() == phase;
+      });
+    }
+  } // namespace
+
+
   bool
   SceneNames::has_fluid() const
   {
-    // Only a law knows its phase, so ask one made from the defaults.
-    return std::any_of(laws.begin(), laws.end(), [](const LawRow *row) {
-      ParameterHandler defaults;
-      row->declare(defaults);
-      return row->create(defaults)->phase() == Phase::fluid;
-    });
+    return has_phase(laws, Phase::fluid);
   }
 
 
-  const std::vector<EffectRow> &
-  effect_table()
+  bool
+  SceneNames::has_solid() const
   {
-    static const std::vector<EffectRow> table = {
-      {"inertia", "Inertia", "Mass resists acceleration; Newmark's scheme."},
-      {"gravity", "Gravity", "A constant acceleration on all bodies."},
-      {"viscosity", "", "The shear viscosity of the fluids' laws."},
-      {"mean dilatation",
-       "",
-       "Solids take the volume ratio's mean over a cell: no locking."},
-      {"body force",
-       "Body force",
-       "An acceleration that is a function of X, x and t."},
-      {"traction", "Tractions", "Dead loads on faces of box-shaped bodies."},
-      {"prescribed motion",
-       "",
-       "Walls and node sets that move with a given velocity."},
-      {"hydrostatic start",
-       "Hydrostatic start",
-       "Fluids start compressed by their own weight."},
-      {"probes", "Probes", "Curves over time, one CSV file each."}};
-    return table;
+    return has_phase(laws, Phase::solid);
   }
 
 

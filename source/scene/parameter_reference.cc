@@ -19,7 +19,7 @@ namespace selkie
         names.effects.push_back(row.name);
       names.refinements = {"<refinement>"};
       names.bodies      = {"<body>"};
-      names.laws        = {find_law("newtonian fluid")};
+      names.laws        = {&law_table().front()};
       names.node_sets   = {"<node set>"};
       names.tractions   = {"<traction>"};
       names.probes      = {"<probe>"};
@@ -70,13 +70,17 @@ namespace selkie
              "in two they have two components, and there are no walls "
              "`front` (smallest z) and `back` (largest z).\n\n"
              "## Effects\n\n"
-             "The subsection of an effect may be used only if `Effects` lists "
-             "the effect; `Fluid pressure` only if a body is a fluid.\n\n"
-             "| effect | subsection | meaning |\n| --- | --- | --- |\n";
+             "The subsection of an effect may be used only if the scene has "
+             "the effect. Most are listed in `Effects`; some come with the "
+             "bodies.\n\n"
+             "| effect | subsection | meaning | costs |\n"
+             "| --- | --- | --- | --- |\n";
       for (const auto &row : effect_table())
-        out << "| " << row.name << " | "
-            << (row.section.empty() ? "-" : row.section) << " | "
-            << row.documentation << " |\n";
+        out << "| " << row.name
+            << (row.comes_with == nullptr ? "" : " (comes with the bodies)")
+            << " | " << (row.section.empty() ? "-" : row.section) << " | "
+            << row.documentation << " | " << (row.cost.empty() ? "-" : row.cost)
+            << " |\n";
     }
   } // namespace
 

@@ -60,17 +60,15 @@ namespace selkie
         auto list = split_list(value_of(entries, "Effects", "inertia"));
         for (const auto &item : list)
           {
-            std::string known;
-            bool        found = false;
-            for (const auto &row : effect_table())
-              {
-                known += (known.empty() ? "" : ", ") + row.name;
-                found = found || row.name == item;
-              }
-            if (!found)
+            const EffectRow *row = find_effect(item);
+            if (row == nullptr)
               fail("Effects",
                    "there is no effect '" + item +
-                     "'; allowed are any of: " + known);
+                     "'; allowed are any of: " + listed_effects(", "));
+            if (row->comes_with != nullptr)
+              fail("Effects",
+                   "'" + item +
+                     "' comes with the bodies by itself and is not listed");
             if (std::count(list.begin(), list.end(), item) > 1)
               fail("Effects", "'" + item + "' is listed twice");
           }
@@ -122,24 +120,13 @@ namespace selkie
     };
 
 
-    /// The effect that an entry needs, or "".
-    std::string
-    effect_of(const ParameterEntry &entry)
+    /// Whether an entry has no meaning without an effect.
+    bool
+    belongs_to(const ParameterEntry &entry, const EffectRow &row)
     {
-      const auto       &sections = entry.sections;
-      const std::string first    = sections.empty() ? "" : sections[0];
-      for (const auto &row : effect_table())
-        if (!row.section.empty() && row.section == first)
-          return row.name;
-      if (first == "Bodies" && sections.back() == "Law parameters" &&
-          entry.name == "Viscosity" &&
-          entry.value.find_first_not_of("0.") != std::string::npos)
-        return "viscosity";
-      const bool is_velocity =
-        (first == "Node sets" && entry.name == "Velocity") ||
-        (sections.size() == 2 && sections[1] == "Walls" &&
-         entry.name.find(" velocity") != std::string::npos);
-      return is_velocity && !entry.value.empty() ? "prescribed motion" : "";
+      return (!row.section.empty() && !entry.sections.empty() &&
+              entry.sections[0] == row.section) ||
+             (row.claims != nullptr && row.claims(entry));
     }
 
 
@@ -147,20 +134,25 @@ namespace selkie
     void
     check_effects_of(const SceneReader &reader, const SceneNames &names)
     {
-      for (const auto &entry : reader.entries)
-        {
-          const std::string effect = effect_of(entry);
-          if (!effect.empty() && !names.has_effect(effect))
-            reader.fail(entry.path(),
-                        "it belongs to the effect '" + effect +
-                          "', which the scene does not list; add it to "
-                          "'Effects' or remove the parameter");
-          if (!entry.sections.empty() &&
-              entry.sections[0] == "Fluid pressure" && !names.has_fluid())
-            reader.fail(entry.path(),
-                        "it belongs to fluids, and no body of the scene has a "
-                        "fluid's law");
-        }
+      const auto active = effects_of(names);
+      for (const auto &row : effect_table())
+        if (std::find(active.begin(), active.end(), &row) == active.end())
+          for (const auto &entry : reader.entries)
+            if (belongs_to(entry, row))
+              reader.fail(entry.path(),
+                          row.comes_with == nullptr
+                            ? "it belongs to the effect '" + row.name +
+                                "', which the scene does not list; add it to "
+                                "'Effects' or remove the parameter"
+                            : "it belongs to the effect '" + row.name +
+                                "', and the scene has no body with it");
+      for (unsigned int b = 0; b < names.laws.size(); ++b)
+        if (!names.laws[b]->needs_effect.empty() &&
+            !names.has_effect(names.laws[b]->needs_effect))
+          reader.fail("Bodies/" + names.bodies[b] + "/Law",
+                      "this law needs the effect '" +
+                        names.laws[b]->needs_effect +
+                        "', which the scene does not list");
     }
 
 
@@ -197,7 +189,7 @@ namespace selkie
     /// What follows from the parameters and is not tied to one of them.
     template <int dim>
     void
-    complete(Scene<dim> &scene, const SceneNames &names)
+    complete(Scene<dim> &scene)
     {
       for (unsigned int w = 0; w < 2 * dim; ++w)
         {
@@ -210,15 +202,6 @@ namespace selkie
       if (scene.inertia && scene.inertia->mass == MassKind::automatic)
         scene.inertia->mass =
           scene.lagrangian_mesh() ? MassKind::consistent : MassKind::lumped;
-      const auto starts_hydrostatic = [](const Body<dim> &body) {
-        return body.hydrostatic_start;
-      };
-      if (names.has_effect("hydrostatic start") &&
-          std::none_of(scene.bodies.begin(),
-                       scene.bodies.end(),
-                       starts_hydrostatic))
-        for (auto &body : scene.bodies)
-          body.hydrostatic_start = (body.phase == 0);
     }
 
 
@@ -274,7 +257,7 @@ namespace selkie
     AssertThrow(prm.get_integer("Dimension") == dim, ExcInternalError());
     keep_parameters(prm, reader, scene);
     make_laws(prm, reader, names, scene);
-    complete(scene, names);
+    complete(scene);
     if (scene.domain.mesh)
       {
         check_mesh_source(scene);

@@ -1,4 +1,4 @@
-#include <selkie/laws/newtonian_fluid.h>
+#include <selkie/laws/fluid_law.h>
 #include <selkie/shape/gather_points.h>
 #include <selkie/shape/lme.h>
 #include <selkie/shape/lme_support.h>

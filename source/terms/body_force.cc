@@ -1,5 +1,8 @@
+#include <selkie/particles/fields.h>
+#include <selkie/scene/check_scene.h>
+#include <selkie/scene/parameter_binding.h>
 #include <selkie/terms/dead_load.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/terms/effect_table.h>
 
 namespace selkie
 {
@@ -32,17 +35,55 @@ namespace selkie
 
       const std::shared_ptr<VectorExpression<dim>> force;
     };
+
+
+    template <int dim>
+    class BodyForceEffect : public Effect<dim>
+    {
+    public:
+      void
+      declare(ParameterHandler &prm, const SceneNames &, Scene<dim> &) override
+      {
+        add_function(prm,
+                     "Acceleration",
+                     force,
+                     "One function of X, Y, Z, x, y, z, t per component, "
+                     "separated by semicolons. Units: m/s^2.");
+      }
+
+      void
+      check(const Scene<dim> &scene) const override
+      {
+        if (!force)
+          fail(scene,
+               "Body force/Acceleration",
+               "the effect 'body force' is listed without its function");
+      }
+
+      void
+      add_columns(const Scene<dim> &, ParticleFields &fields) const override
+      {
+        fields.add<Tensor<1, dim>>("reference position", "m", true);
+      }
+
+      std::shared_ptr<const Term<dim>>
+      term(const Scene<dim> &) const override
+      {
+        return std::make_shared<BodyForceTerm<dim>>(force);
+      }
+
+    private:
+      std::shared_ptr<VectorExpression<dim>> force; ///< m/s^2, of X, x, t
+    };
   } // namespace
 
-  template <int dim>
-  std::unique_ptr<const Term<dim>>
-  make_body_force(std::shared_ptr<VectorExpression<dim>> force)
+  EffectRow
+  body_force_effect()
   {
-    return std::make_unique<BodyForceTerm<dim>>(std::move(force));
+    return effect_row<BodyForceEffect>(
+      "body force",
+      "Body force",
+      "An acceleration that is a function of X, x and t.",
+      "a muParser function at every point in every residual");
   }
-
-  template std::unique_ptr<const Term<2>>
-    make_body_force<2>(std::shared_ptr<VectorExpression<2>>);
-  template std::unique_ptr<const Term<3>>
-    make_body_force<3>(std::shared_ptr<VectorExpression<3>>);
 } // namespace selkie

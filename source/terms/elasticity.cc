@@ -1,5 +1,6 @@
 #include <selkie/laws/hyperelastic_law.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/scene/declare_scene.h>
+#include <selkie/terms/effect_table.h>
 
 namespace selkie
 {
@@ -19,18 +20,19 @@ namespace selkie
         return "elasticity";
       }
 
-      TermNeeds
-      needs() const override
+      TermUse
+      use() const override
       {
-        TermNeeds needs;
-        needs.kinematics = true;
-        return needs;
+        TermUse use;
+        use.kinematics = true;
+        use.stress     = true;
+        return use;
       }
 
       bool
-      acts_on(const Patch<dim> &patch) const override
+      acts_on(const PatchKind &kind) const override
       {
-        return patch.integration && !patch.fluid;
+        return kind.integration && !kind.fluid;
       }
 
       void
@@ -58,17 +60,26 @@ namespace selkie
           }
       }
     };
+
+
+    template <int dim>
+    class ElasticityEffect : public Effect<dim>
+    {
+    public:
+      std::shared_ptr<const Term<dim>>
+      term(const Scene<dim> &) const override
+      {
+        return std::make_shared<ElasticityTerm<dim>>();
+      }
+    };
   } // namespace
 
-  template <int dim>
-  std::unique_ptr<const Term<dim>>
-  make_elasticity()
+  EffectRow
+  elasticity_effect()
   {
-    return std::make_unique<ElasticityTerm<dim>>();
+    EffectRow row = effect_row<ElasticityEffect>(
+      "elasticity", "", "The stress of solids, by their laws.", "");
+    row.comes_with = [](const SceneNames &names) { return names.has_solid(); };
+    return row;
   }
-
-  template std::unique_ptr<const Term<2>>
-  make_elasticity<2>();
-  template std::unique_ptr<const Term<3>>
-  make_elasticity<3>();
 } // namespace selkie

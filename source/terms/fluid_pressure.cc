@@ -1,5 +1,7 @@
-#include <selkie/laws/newtonian_fluid.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/laws/fluid_law.h>
+#include <selkie/scene/check_scene.h>
+#include <selkie/scene/declare_scene.h>
+#include <selkie/terms/effect_table.h>
 
 namespace selkie
 {
@@ -20,18 +22,21 @@ namespace selkie
         return "fluid pressure";
       }
 
-      TermNeeds
-      needs() const override
+      TermUse
+      use() const override
       {
-        TermNeeds needs;
-        needs.kinematics = true;
-        return needs;
+        TermUse use;
+        use.kinematics = true;
+        use.pressure   = true;
+        use.stress     = true;
+        use.volume     = true;
+        return use;
       }
 
       bool
-      acts_on(const Patch<dim> &patch) const override
+      acts_on(const PatchKind &kind) const override
       {
-        return patch.integration && patch.fluid;
+        return kind.integration && kind.fluid;
       }
 
       void
@@ -62,17 +67,61 @@ namespace selkie
           }
       }
     };
+
+
+    template <int dim>
+    class FluidPressureEffect : public Effect<dim>
+    {
+    public:
+      void
+      declare(ParameterHandler &prm,
+              const SceneNames &,
+              Scene<dim> &scene) override
+      {
+        FluidPressure &pressure = scene.fluid_pressure.emplace();
+        prm.add_parameter("Volume correction",
+                          pressure.volume_kappa,
+                          "Share of the excess of crowded points' volume that "
+                          "is corrected in a step. Units: none.",
+                          Patterns::Double(0., 1.));
+        prm.add_parameter("Volume deadband",
+                          pressure.volume_deadband,
+                          "Relative excess that is not corrected. Units: none.",
+                          Patterns::Double(0.));
+        prm.add_parameter("Gauss points in full cells",
+                          pressure.gauss_full_cells,
+                          "Whether cells in the interior of the fluid are "
+                          "integrated at fixed Gauss points instead of at the "
+                          "material points. Units: none.");
+      }
+
+      void
+      check(const Scene<dim> &scene) const override
+      {
+        if (!scene.inertia)
+          fail(scene,
+               "Effects",
+               "a scene without 'inertia' is static, and nothing but inertia "
+               "keeps a fluid in shape; list 'inertia'");
+      }
+
+      std::shared_ptr<const Term<dim>>
+      term(const Scene<dim> &) const override
+      {
+        return std::make_shared<FluidPressureTerm<dim>>();
+      }
+    };
   } // namespace
 
-  template <int dim>
-  std::unique_ptr<const Term<dim>>
-  make_fluid_pressure()
+  EffectRow
+  fluid_pressure_effect()
   {
-    return std::make_unique<FluidPressureTerm<dim>>();
+    EffectRow row = effect_row<FluidPressureEffect>(
+      "fluid pressure",
+      "Fluid pressure",
+      "The pressure of fluids, an unknown of its own at their nodes.",
+      "");
+    row.comes_with = [](const SceneNames &names) { return names.has_fluid(); };
+    return row;
   }
-
-  template std::unique_ptr<const Term<2>>
-  make_fluid_pressure<2>();
-  template std::unique_ptr<const Term<3>>
-  make_fluid_pressure<3>();
 } // namespace selkie

@@ -1,4 +1,5 @@
-#include <selkie/terms/term_table.h>
+#include <selkie/scene/check_scene.h>
+#include <selkie/terms/effect_table.h>
 
 namespace selkie
 {
@@ -21,16 +22,18 @@ namespace selkie
         return "gravity";
       }
 
-      TermNeeds
-      needs() const override
+      TermUse
+      use() const override
       {
-        return TermNeeds();
+        TermUse use;
+        use.source = true;
+        return use;
       }
 
       bool
-      acts_on(const Patch<dim> &patch) const override
+      acts_on(const PatchKind &kind) const override
       {
-        return patch.matter;
+        return kind.matter;
       }
 
       void
@@ -40,20 +43,58 @@ namespace selkie
           state.forms[q].source -= state.point(q).mass * g;
       }
 
+      double
+      acceleration_scale() const override
+      {
+        return g.norm();
+      }
+
     private:
       const Tensor<1, dim> g;
     };
+
+
+    template <int dim>
+    class GravityEffect : public Effect<dim>
+    {
+    public:
+      void
+      declare(ParameterHandler &prm,
+              const SceneNames &,
+              Scene<dim> &scene) override
+      {
+        Tensor<1, dim> &g = scene.gravity.emplace();
+        g[1]              = -9.81;
+        prm.add_parameter("Acceleration",
+                          g,
+                          "The acceleration of free fall. Units: m/s^2.");
+      }
+
+      void
+      check(const Scene<dim> &scene) const override
+      {
+        if (scene.gravity->norm() == 0)
+          fail_without_need(scene,
+                            "gravity",
+                            "Gravity/Acceleration",
+                            "an acceleration of zero");
+      }
+
+      std::shared_ptr<const Term<dim>>
+      term(const Scene<dim> &scene) const override
+      {
+        return std::make_shared<GravityTerm<dim>>(*scene.gravity);
+      }
+    };
   } // namespace
 
-  template <int dim>
-  std::unique_ptr<const Term<dim>>
-  make_gravity(const Tensor<1, dim> &g)
+  EffectRow
+  gravity_effect()
   {
-    return std::make_unique<GravityTerm<dim>>(g);
+    return effect_row<GravityEffect>(
+      "gravity",
+      "Gravity",
+      "A constant acceleration on all bodies.",
+      "the weight of every point in every residual");
   }
-
-  template std::unique_ptr<const Term<2>>
-  make_gravity<2>(const Tensor<1, 2> &);
-  template std::unique_ptr<const Term<3>>
-  make_gravity<3>(const Tensor<1, 3> &);
 } // namespace selkie

@@ -1,5 +1,7 @@
 #include <selkie/laws/hyperelastic_law.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/particles/fields.h>
+#include <selkie/scene/check_scene.h>
+#include <selkie/terms/effect_table.h>
 
 #include <cmath>
 
@@ -29,18 +31,20 @@ namespace selkie
         return "elasticity (mean dilatation)";
       }
 
-      TermNeeds
-      needs() const override
+      TermUse
+      use() const override
       {
-        TermNeeds needs;
-        needs.kinematics = true;
-        return needs;
+        TermUse use;
+        use.kinematics = true;
+        use.stress     = true;
+        use.mean       = true;
+        return use;
       }
 
       bool
-      acts_on(const Patch<dim> &patch) const override
+      acts_on(const PatchKind &kind) const override
       {
-        return patch.integration && !patch.fluid;
+        return kind.integration && !kind.fluid;
       }
 
       void
@@ -159,17 +163,45 @@ namespace selkie
         return D;
       }
     };
+
+
+    template <int dim>
+    class MeanDilatationEffect : public Effect<dim>
+    {
+    public:
+      void
+      check(const Scene<dim> &scene) const override
+      {
+        if (!scene.has_solid())
+          fail(scene,
+               "Effects",
+               "'mean dilatation' is for solids, and every body of the scene "
+               "is a fluid");
+      }
+
+      void
+      add_columns(const Scene<dim> &, ParticleFields &fields) const override
+      {
+        fields.add<double>("mean volume ratio", "", true);
+      }
+
+      std::shared_ptr<const Term<dim>>
+      term(const Scene<dim> &) const override
+      {
+        return std::make_shared<MeanDilatationTerm<dim>>();
+      }
+    };
   } // namespace
 
-  template <int dim>
-  std::unique_ptr<const Term<dim>>
-  make_mean_dilatation()
+  EffectRow
+  mean_dilatation_effect()
   {
-    return std::make_unique<MeanDilatationTerm<dim>>();
+    EffectRow row = effect_row<MeanDilatationEffect>(
+      "mean dilatation",
+      "",
+      "Solids take the volume ratio's mean over a cell: no locking.",
+      "a dense block of rank two for every cell of solids");
+    row.replaces = "elasticity";
+    return row;
   }
-
-  template std::unique_ptr<const Term<2>>
-  make_mean_dilatation<2>();
-  template std::unique_ptr<const Term<3>>
-  make_mean_dilatation<3>();
 } // namespace selkie

@@ -1,8 +1,11 @@
-#include <selkie/laws/newtonian_fluid.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/laws/fluid_law.h>
+#include <selkie/scene/declare_scene.h>
+#include <selkie/terms/effect_table.h>
 
 namespace selkie
 {
+  using namespace dealii;
+
   namespace
   {
     /// Polynomial pressure projection (Dohrmann & Bochev 2004) in the
@@ -23,29 +26,32 @@ namespace selkie
         return "pressure stabilisation";
       }
 
-      TermNeeds
-      needs() const override
+      TermUse
+      use() const override
       {
-        return TermNeeds();
+        TermUse use;
+        use.pressure = true;
+        use.volume   = true;
+        return use;
       }
 
       bool
-      acts_on(const Patch<dim> &patch) const override
+      acts_on(const PatchKind &kind) const override
       {
-        return patch.integration && patch.fluid;
+        return kind.integration && kind.fluid;
       }
 
       void
       add(PatchState<dim> &state, const bool) const override
       {
         const Newmark &newmark = state.time->newmark;
+        const double   h2      = state.h * state.h;
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
           {
             const auto &law =
               static_cast<const FluidLaw &>(*state.point(q).law);
-            const double G_e =
-              law.viscosity() * newmark.alpha4 +
-              law.density() * state.h * state.h * newmark.alpha1;
+            const double G_e = law.viscosity(0.).value * newmark.alpha4 +
+                               law.density() * h2 * newmark.alpha1;
             state.forms[q].lumped -= state.point(q).volume * alpha / G_e;
           }
       }
@@ -53,17 +59,45 @@ namespace selkie
     private:
       const double alpha;
     };
+
+
+    template <int dim>
+    class PressureStabilisationEffect : public Effect<dim>
+    {
+    public:
+      void
+      declare(ParameterHandler &prm, const SceneNames &, Scene<dim> &) override
+      {
+        prm.add_parameter("Stabilisation",
+                          alpha,
+                          "Factor alpha of the polynomial pressure projection; "
+                          "0 for none. Units: none.",
+                          Patterns::Double(0.));
+      }
+
+      std::shared_ptr<const Term<dim>>
+      term(const Scene<dim> &) const override
+      {
+        return alpha > 0.
+                 ? std::make_shared<PressureStabilisationTerm<dim>>(alpha)
+                 : nullptr;
+      }
+
+    private:
+      double alpha = 0.25;
+    };
   } // namespace
 
-  template <int dim>
-  std::unique_ptr<const Term<dim>>
-  make_pressure_stabilisation(const double alpha)
+  EffectRow
+  pressure_stabilisation_effect()
   {
-    return std::make_unique<PressureStabilisationTerm<dim>>(alpha);
+    EffectRow row = effect_row<PressureStabilisationEffect>(
+      "pressure stabilisation",
+      "Fluid pressure",
+      "Keeps the pressure of fluids free of checkerboards; switched off by "
+      "`Stabilisation = 0`.",
+      "");
+    row.comes_with = [](const SceneNames &names) { return names.has_fluid(); };
+    return row;
   }
-
-  template std::unique_ptr<const Term<2>>
-  make_pressure_stabilisation<2>(const double);
-  template std::unique_ptr<const Term<3>>
-  make_pressure_stabilisation<3>(const double);
 } // namespace selkie

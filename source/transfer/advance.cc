@@ -1,5 +1,5 @@
 #include <selkie/base/collective_error.h>
-#include <selkie/laws/newtonian_fluid.h>
+#include <selkie/laws/fluid_law.h>
 #include <selkie/transfer/transfer.h>
 
 #include <deal.II/base/mpi.h>
@@ -10,7 +10,35 @@ namespace selkie
 
   namespace
   {
-    /// Nodal increments and end values, interpolated at one point.
+    /// What the nodes have at the end of the step, on the unknowns' numbering
+    /// with ghosts; velocities with inertia only.
+    struct NodalEnd
+    {
+      const Vector &du; ///< and pressures
+      Vector        v, dv, a;
+
+      NodalEnd(const StepFields &fields, const Newmark &newmark)
+        : du(fields.x)
+      {
+        if (fields.v_n.size() == 0)
+          return;
+        for (Vector *field : {&v, &dv, &a})
+          field->reinit(fields.x, true);
+        const unsigned int n =
+          du.locally_owned_size() + du.get_partitioner()->n_ghost_indices();
+        for (unsigned int i = 0; i < n; ++i)
+          {
+            const double v_n    = fields.v_n.local_element(i);
+            const double a_n    = fields.a_n.local_element(i);
+            const double x      = du.local_element(i);
+            v.local_element(i)  = newmark.velocity(x, v_n, a_n);
+            dv.local_element(i) = v.local_element(i) - v_n;
+            a.local_element(i)  = newmark.acceleration(x, v_n, a_n);
+          }
+      }
+    };
+
+    /// The nodes' increments and end values at one point.
     template <int dim>
     struct Interpolated
     {
@@ -19,41 +47,57 @@ namespace selkie
       double         p = 0, J = 1; ///< fluids
     };
 
-    template <int dim>
+    /// @tparam moves with inertia
+    /// @tparam tpic with velocity gradients
+    template <bool moves, bool tpic, int dim>
     Interpolated<dim>
     interpolate(const SupportTable<dim> &table,
                 const Patch<dim>        &patch,
                 const unsigned int       q,
                 const System<dim>       &system,
-                const Newmark           &newmark,
-                const StepFields        &fields)
+                const NodalEnd          &nodes)
     {
       Interpolated<dim> at;
       const double     *N = table.N(patch, q);
       for (unsigned int k = 0; k < patch.n_nodes; ++k)
         {
-          const unsigned int node = table.nodes[patch.first_node + k];
-          const unsigned int u    = system.displacement(node);
-          Tensor<1, dim>     G;
+          const unsigned int u =
+            system.displacement(table.nodes[patch.first_node + k]);
+          Tensor<1, dim> G;
           for (unsigned int d = 0; d < dim; ++d)
             G[d] = N[(d + 1) * patch.n_padded + k];
           for (unsigned int d = 0; d < dim; ++d)
             {
-              const double du  = fields.x.local_element(u + d);
-              const double v_n = fields.v_n.local_element(u + d);
-              const double a_n = fields.a_n.local_element(u + d);
-              const double v   = newmark.velocity(du, v_n, a_n);
+              const double du = nodes.du.local_element(u + d);
               at.du[d] += N[k] * du;
-              at.v[d] += N[k] * v;
-              at.dv[d] += N[k] * (v - v_n);
-              at.a[d] += N[k] * newmark.acceleration(du, v_n, a_n);
               at.grad_du[d] += du * G;
-              at.grad_v[d] += v * G;
+              if constexpr (moves)
+                {
+                  at.v[d] += N[k] * nodes.v.local_element(u + d);
+                  at.dv[d] += N[k] * nodes.dv.local_element(u + d);
+                  at.a[d] += N[k] * nodes.a.local_element(u + d);
+                }
+              if constexpr (tpic)
+                at.grad_v[d] += nodes.v.local_element(u + d) * G;
             }
-          if (patch.fluid)
-            at.p += N[k] * fields.x.local_element(system.pressure(node));
         }
       return at;
+    }
+
+    template <int dim>
+    double
+    interpolate_pressure(const SupportTable<dim> &table,
+                         const Patch<dim>        &patch,
+                         const unsigned int       q,
+                         const System<dim>       &system,
+                         const Vector            &x)
+    {
+      double p = 0.;
+      for (unsigned int k = 0; k < patch.n_nodes; ++k)
+        p +=
+          table.N(patch, q)[k] *
+          x.local_element(system.pressure(table.nodes[patch.first_node + k]));
+      return p;
     }
 
     /// grad v of a fluid point nearly alone in its cell is noise: zero.
@@ -64,12 +108,16 @@ namespace selkie
     /// that the fluid cannot have.
     template <int dim>
     std::vector<Interpolated<dim>>
-    end_values(const SupportTable<dim> &table,
-               const System<dim>       &system,
-               const Newmark           &newmark,
-               const StepFields        &fields,
-               const MPI_Comm           comm)
+    end_values(const ParticleColumns<dim> &columns,
+               const SupportTable<dim>    &table,
+               const System<dim>          &system,
+               const NodalEnd             &nodes,
+               const MPI_Comm              comm)
     {
+      const auto interpolate_motion =
+        !columns.v.exists()       ? &interpolate<false, false, dim>
+        : columns.grad_v.exists() ? &interpolate<true, true, dim>
+                                  : &interpolate<true, false, dim>;
       std::vector<Interpolated<dim>> values(table.n_particles);
       std::string                    failure;
       for (const auto &patch : table.patches)
@@ -78,17 +126,19 @@ namespace selkie
             {
               const auto &point = table.points[patch.first_point + q];
               auto       &at    = values[point.particle];
-              at = interpolate(table, patch, q, system, newmark, fields);
-              if (patch.fluid)
-                try
-                  {
-                    at.J = static_cast<const FluidLaw &>(*point.law)
-                             .J_of_pressure(at.p);
-                  }
-                catch (const NumericalFailure &error)
-                  {
-                    failure = error.what();
-                  }
+              at = interpolate_motion(table, patch, q, system, nodes);
+              if (!patch.fluid)
+                continue;
+              at.p = interpolate_pressure(table, patch, q, system, nodes.du);
+              try
+                {
+                  at.J = static_cast<const FluidLaw &>(*point.law)
+                           .J_of_pressure(at.p);
+                }
+              catch (const NumericalFailure &error)
+                {
+                  failure = error.what();
+                }
             }
       throw_on_all_ranks<NumericalFailure>(comm, failure);
       return values;
@@ -164,7 +214,8 @@ namespace selkie
           const StepFields        &fields)
   {
     const MPI_Comm comm   = particles.communicator();
-    const auto     values = end_values(table, system, newmark, fields, comm);
+    const auto     values = end_values(
+      particles.columns, table, system, NodalEnd(fields, newmark), comm);
     std::vector<Tensor<1, dim>> displacements;
     displacements.reserve(values.size());
     for (const auto &at : values)

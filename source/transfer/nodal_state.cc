@@ -83,14 +83,15 @@ namespace selkie
     for (const unsigned int node : system.owned_nodes())
       for (unsigned int d = 0; d < dim; ++d)
         {
-          const unsigned int u   = system.displacement(node) + d;
-          const double       du  = fields.x.local_element(u);
-          const double       v_n = fields.v_n.local_element(u);
-          const double       a_n = fields.a_n.local_element(u);
-          displacement[d].local_element(node) += du;
-          velocity[d].local_element(node) = newmark.velocity(du, v_n, a_n);
+          const unsigned int u = system.displacement(node) + d;
+          displacement[d].local_element(node) += fields.x.local_element(u);
+          if (fields.v_n.size() == 0)
+            continue;
+          velocity[d].local_element(node) = fields.velocity(newmark, u);
           acceleration[d].local_element(node) =
-            newmark.acceleration(du, v_n, a_n);
+            newmark.acceleration(fields.x.local_element(u),
+                                 fields.v_n.local_element(u),
+                                 fields.a_n.local_element(u));
         }
     update_ghosts();
   }

@@ -4,7 +4,7 @@
 #include <selkie/assembly/assembler.h>
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/shape/lme_support.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/terms/effect_table.h>
 #include <selkie/transfer/transfer.h>
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ namespace
                                                scene.lme.gamma,
                                                scene.lme.support_tolerance);
       conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
-      terms      = make_terms(scene);
+      terms      = terms_of(scene);
       system =
         std::make_unique<System<dim>>(*cloud, *conditions, scene.has_fluid());
       assembler = std::make_unique<Assembler<dim>>(terms, *system);
@@ -68,7 +68,7 @@ namespace
     ParticleSet<dim>                              particles;
     std::unique_ptr<NodeCloud<dim>>               cloud;
     std::unique_ptr<NodeConditions<dim>>          conditions;
-    std::vector<std::unique_ptr<const Term<dim>>> terms;
+    std::vector<std::shared_ptr<const Term<dim>>> terms;
     std::unique_ptr<System<dim>>                  system;
     std::unique_ptr<Assembler<dim>>               assembler;
     SupportTable<dim>                             table;

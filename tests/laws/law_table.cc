@@ -106,7 +106,7 @@ TEST(LawsTable, ValuesAreReadFromTheCurrentSubsection)
   EXPECT_DOUBLE_EQ(fluid.density(), 900.);
   EXPECT_DOUBLE_EQ(fluid.sound_speed(), 20.);
   EXPECT_DOUBLE_EQ(fluid.bulk_modulus(), 3.6e5);
-  EXPECT_DOUBLE_EQ(fluid.viscosity(), 0.25);
+  EXPECT_DOUBLE_EQ(fluid.viscosity(0.).value, 0.25);
   EXPECT_DOUBLE_EQ(fluid.pressure(1.), 7.);
   EXPECT_DOUBLE_EQ(fluid.pressure(0.5), 7. + 3.6e5 / 5. * 31.);
 }

@@ -35,10 +35,11 @@ namespace
   Tensor<2, 3>
   tangent(const State &state, const bool with_pressure)
   {
-    const double       J   = determinant(state.F());
-    const Tensor<1, 3> g_a = state.push_forward(state.G_a);
-    const Tensor<1, 3> g_b = state.push_forward(state.G_b);
-    Tensor<2, 3> result = viscous_tangent(mu, J, state.l(), alpha4, g_a, g_b);
+    const double       J      = determinant(state.F());
+    const Tensor<1, 3> g_a    = state.push_forward(state.G_a);
+    const Tensor<1, 3> g_b    = state.push_forward(state.G_b);
+    Tensor<2, 3>       result = viscous_tangent(
+      mu * J, dev(sym(state.l())), alpha4 * identity() - state.l(), g_a, g_b);
     if (with_pressure)
       result += pressure_tangent_displacement(
         fluid.pressure(J), J, fluid.dpressure_dJ(J), g_a, g_b);

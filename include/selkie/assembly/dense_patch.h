@@ -1,6 +1,6 @@
 #pragma once
 
-#include <selkie/terms/patch_state.h>
+#include <selkie/terms/term.h>
 
 #include <deal.II/base/aligned_vector.h>
 
@@ -10,14 +10,15 @@ namespace selkie
    * The dense algebra of one patch: nodal values in, nodal forces and one
    * dense block out. Arrays are component-major and padded to SIMD lanes:
    * entry (component c, node a) stands at c * n_padded + a, with the pressure
-   * as component dim in fluid patches.
+   * as component dim where a term writes its equation.
    */
   template <int dim>
   class DensePatch
   {
   public:
+    /// @param with_pressure whether the block has the rows of the pressure
     void
-    reinit(const Patch<dim> &patch);
+    reinit(const Patch<dim> &patch, const bool with_pressure);
 
     unsigned int n_nodes = 0, n_padded = 0, n_components = 0;
 
@@ -34,13 +35,15 @@ namespace selkie
     double
     value(const double *values, const double *N) const;
 
-    /// Nodal forces of the point forms: sums over the points.
-    void
-    integrate_forces(const PatchState<dim> &state);
+    /// A step in the integration of a patch's point forms.
+    using Step = void (DensePatch::*)(const PatchState<dim> &);
 
-    /// The dense block of the point forms.
-    void
-    integrate_block(const PatchState<dim> &state);
+    /// The steps that turn what such terms write into nodal forces, and into
+    /// the dense block; none for what no term writes.
+    static std::vector<Step>
+    force_steps(const TermUse &use);
+    static std::vector<Step>
+    block_steps(const TermUse &use);
 
     /// Row (node a, component c) of the block: n_components * n_padded values.
     const double *
@@ -51,12 +54,23 @@ namespace selkie
     }
 
   private:
+    template <bool stress, bool source>
+    void
+    set_forces(const PatchState<dim> &state);
+    void
+    add_volume_forces(const PatchState<dim> &state);
+    void
+    add_mean_forces(const PatchState<dim> &state);
+    template <int n_components, bool mass>
+    void
+    set_block(const PatchState<dim> &state);
+    void
+    add_mean_block(const PatchState<dim> &state);
+
     /// sum_q tensors_q G_a, component-major like force.
     dealii::AlignedVector<double>
     mean_vector(const PatchState<dim>                     &state,
                 const std::vector<dealii::Tensor<2, dim>> &tensors) const;
-    void
-    add_mean_block(const PatchState<dim> &state);
 
     dealii::AlignedVector<double> block;
   };

@@ -114,6 +114,12 @@ namespace selkie
       return tangent;
     }
 
+    dealii::types::global_dof_index
+    n_nonzeros() const
+    {
+      return tangent.n_nonzero_elements();
+    }
+
     /// Matrix column (Epetra's local index) of an unknown's local index.
     int
     column(const unsigned int index) const

@@ -4,7 +4,7 @@
 #include <selkie/base/timer_tree.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/output/audit.h>
-#include <selkie/output/probes.h>
+#include <selkie/output/recorder.h>
 #include <selkie/output/statistics.h>
 #include <selkie/output/summary.h>
 #include <selkie/output/vtu.h>
@@ -50,11 +50,14 @@ namespace selkie
            const StepReport<dim>  &report);
 
     void
-    finish(const ParticleSet<dim> &particles, const TimeControl &time);
+    finish(const ParticleSet<dim> &particles,
+           const Stepper<dim>     &stepper,
+           const TimeControl      &time);
 
     /// Writes a checkpoint of the last good state and says why the run ends.
     void
     fail(ParticleSet<dim>                                  &particles,
+         const Stepper<dim>                                &stepper,
          dealii::parallel::distributed::Triangulation<dim> &mesh,
          const TimeControl                                 &time,
          const std::string                                 &why);
@@ -75,7 +78,12 @@ namespace selkie
                   const double           dt,
                   const StepReport<dim> &report);
     void
+    record_effects(const double           time,
+                   const Stepper<dim>    &stepper,
+                   const WallForces<dim> &walls);
+    void
     close(const ParticleSet<dim> &particles,
+          const Stepper<dim>     &stepper,
           const TimeControl      &time,
           const std::string      &failure);
 
@@ -87,14 +95,21 @@ namespace selkie
 
     Statistics                      statistics;
     std::unique_ptr<VtuWriter<dim>> vtu;
-    std::unique_ptr<Probes<dim>>    probes;
+
+    /// What an effect writes, and when it is due next (s).
+    struct Recording
+    {
+      std::shared_ptr<Recorder<dim>> recorder;
+      double                         next = 0;
+    };
+    std::vector<Recording> recordings;
 
     Audit              present;
     double             initial_energy = 0;
     double             dissipated = 0, external_work = 0, reset_energy = 0;
-    double             next_fields = 0, next_probes = 0; ///< s
-    unsigned long long unknowns   = 0;
-    double             start_wall = 0;
+    double             next_fields = 0; ///< s
+    unsigned long long unknowns    = 0;
+    double             start_wall  = 0;
   };
 
   /// The text of `selkie check`.

@@ -8,7 +8,7 @@
 #include <selkie/shape/q4_support.h>
 #include <selkie/solver/linear_solver.h>
 #include <selkie/solver/newton.h>
-#include <selkie/terms/term_table.h>
+#include <selkie/terms/effect_table.h>
 #include <selkie/transfer/nodal_state.h>
 #include <selkie/transfer/transfer.h>
 
@@ -60,8 +60,9 @@ namespace selkie
     StepReport<dim>
     step(const double t, const double dt);
 
-    /// Velocity, pressure and mass of the nodes at the end of the last step,
-    /// in cloud numbering; zero at nodes without unknowns.
+    /// Velocity and mass (with inertia) and pressure (with a fluid) of the
+    /// nodes at the end of the last step, in cloud numbering; zero at nodes
+    /// without unknowns, empty where there are none.
     struct NodalFields
     {
       std::array<Vector, dim> displacement; ///< of a Lagrangian mesh
@@ -92,6 +93,13 @@ namespace selkie
     supports() const
     {
       return table;
+    }
+
+    /// What the terms and the rest of the assembly cost so far, on this rank.
+    const CostLedger &
+    costs() const
+    {
+      return assembler.costs();
     }
 
     /// The solver that the last system used, and why it was chosen.
@@ -125,7 +133,7 @@ namespace selkie
     const NodeCloud<dim>                               &cloud;
     TimerTree                                          &timers;
     const NodeConditions<dim>                           conditions;
-    const std::vector<std::unique_ptr<const Term<dim>>> terms;
+    const std::vector<std::shared_ptr<const Term<dim>>> terms;
 
     System<dim>                           unknowns;
     Assembler<dim>                        assembler;

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <selkie/base/types.h>
-#include <selkie/mesh/node_cloud.h>
+#include <selkie/output/recorder.h>
 #include <selkie/output/statistics.h>
 #include <selkie/particles/particle_set.h>
 
@@ -10,23 +9,6 @@
 
 namespace selkie
 {
-  /// Force that the matter exerts on each wall, from the reaction of the
-  /// equations held there: N, N/m in 2D. Empty where not known.
-  template <int dim>
-  struct WallForces
-  {
-    std::vector<dealii::Tensor<1, dim>> force; ///< by wall: x-, x+, y-, ...
-  };
-
-  /// The nodes of a Lagrangian mesh: cloud numbering.
-  template <int dim>
-  struct NodeMotion
-  {
-    const NodeCloud<dim>          *cloud        = nullptr;
-    const std::array<Vector, dim> *displacement = nullptr; ///< m
-    const std::array<Vector, dim> *velocity     = nullptr; ///< m/s
-  };
-
   /**
    * The scene's probes: one file probes/NAME.csv each, a row per record().
    *
@@ -47,23 +29,35 @@ namespace selkie
    * has to follow them through migration or a restart.
    */
   template <int dim>
-  class Probes
+  class Probes : public Recorder<dim>
   {
   public:
     /// Collective; call when the points are seeded. The folder
     /// `directory`/probes exists.
+    /// @param interval time between two rows (s)
     /// @throw SceneError if a region holds no point.
     Probes(const Scene<dim>       &scene,
            const ParticleSet<dim> &particles,
-           const std::string      &directory);
+           const std::string      &directory,
+           const double            interval = 0.);
+
+    std::string
+    name() const override
+    {
+      return "probes";
+    }
+
+    double
+    interval() const override
+    {
+      return seconds;
+    }
 
     /// Adds a row to each file. Collective.
-    /// @param time s
-    /// @param nodes of a Lagrangian mesh, for probes of nodes; empty otherwise
     void
     record(const double           time,
            const WallForces<dim> &walls,
-           const NodeMotion<dim> &nodes = NodeMotion<dim>());
+           const NodeMotion<dim> &nodes = NodeMotion<dim>()) override;
 
   private:
     struct Curve
@@ -111,6 +105,7 @@ namespace selkie
     set_extent(const Sums &sums, Statistics &table);
 
     const ParticleSet<dim> &particles;
+    const double            seconds; ///< between two rows
     std::vector<Curve>      curves;
   };
 } // namespace selkie

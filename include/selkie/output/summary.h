@@ -1,5 +1,6 @@
 #pragma once
 
+#include <selkie/base/cost_ledger.h>
 #include <selkie/base/timer_tree.h>
 #include <selkie/output/audit.h>
 #include <selkie/particles/particle_set.h>
@@ -16,18 +17,21 @@ namespace selkie
     std::vector<std::string> effects;
     unsigned int             ranks = 1;
 
-    unsigned long long points   = 0;
-    unsigned long long unknowns = 0; ///< most in any step
-    unsigned int       steps    = 0;
-    double             end_time = 0; ///< reached (s)
+    unsigned long long points          = 0;
+    unsigned long long unknowns        = 0; ///< most in any step
+    unsigned int       bytes_per_point = 0; ///< of particle columns
+    unsigned long long nonzeros        = 0; ///< of the last matrix
+    unsigned int       steps           = 0;
+    double             end_time        = 0; ///< reached (s)
 
     std::string failure; ///< empty: done; else why the run ended
 
     Audit              audit; ///< at the end
     ParticleAccounting accounting;
 
-    double                      wall_time = 0; ///< s
-    std::vector<TimerTree::Row> timings;
+    double                         wall_time = 0; ///< s
+    std::vector<TimerTree::Row>    timings;
+    std::vector<CostLedger::Entry> costs; ///< of the assembly, by term
   };
 
   /// Writes summary.json; call it on one rank.

@@ -92,6 +92,17 @@ namespace selkie
         place(name, unit, Column<T>::n_components, output).offset);
     }
 
+    /// The column of that name; one that does not exist if nobody asked for it.
+    template <typename T>
+    Column<T>
+    find(const std::string &name) const
+    {
+      for (const Entry &entry : list)
+        if (entry.name == name)
+          return Column<T>(entry.offset);
+      return Column<T>();
+    }
+
     unsigned int
     n_components() const
     {

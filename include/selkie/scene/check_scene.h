@@ -27,17 +27,22 @@ namespace selkie
   void
   check_mesh_source(const Scene<dim> &scene);
 
-  /// The part of check_scene() that looks at the effects.
-  template <int dim>
-  void
-  check_effects(const Scene<dim> &scene);
-
   /// Ends with a SceneError about one parameter of a scene.
   template <int dim>
   [[noreturn]] void
   fail(const Scene<dim>  &scene,
        const std::string &path,
        const std::string &why);
+
+  /// Ends with a SceneError about an effect that is listed and does nothing,
+  /// and says what it would have cost (EffectRow::cost).
+  /// @param nothing what makes it do nothing, "an acceleration of zero"
+  template <int dim>
+  [[noreturn]] void
+  fail_without_need(const Scene<dim>  &scene,
+                    const std::string &effect,
+                    const std::string &path,
+                    const std::string &nothing);
 
   /// Smallest extent of the cells before refinement, m.
   template <int dim>

@@ -25,20 +25,10 @@ namespace selkie
 
     bool
     has_fluid() const;
-  };
 
-  /// One effect that a scene can list.
-  struct EffectRow
-  {
-    std::string name;
-    std::string section; ///< its subsection, or "" if it has none
-    std::string documentation;
+    bool
+    has_solid() const;
   };
-
-  /// All effects, in the order of the parameter reference. The fluid pressure
-  /// is not listed: it comes with a fluid.
-  const std::vector<EffectRow> &
-  effect_table();
 
   /// Names of the walls in boundary order: left, right, bottom, top (, front,
   /// back); faces of a box have the same names.
@@ -55,16 +45,10 @@ namespace selkie
                 const SceneNames         &names,
                 Scene<dim>               &scene);
 
-  /// Two parts of declare_scene(), in files of their own: the bodies, and the
-  /// subsections of the listed effects.
+  /// A part of declare_scene(), in a file of its own: the bodies.
   template <int dim>
   void
   declare_bodies(dealii::ParameterHandler &prm,
                  const SceneNames         &names,
                  Scene<dim>               &scene);
-  template <int dim>
-  void
-  declare_effects(dealii::ParameterHandler &prm,
-                  const SceneNames         &names,
-                  Scene<dim>               &scene);
 } // namespace selkie

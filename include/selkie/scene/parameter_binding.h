@@ -75,4 +75,23 @@ namespace selkie
         text.empty() ? nullptr : std::make_shared<VectorExpression<dim>>(text);
     });
   }
+
+
+  /// The index of @p text in @p names.
+  /// @throw SceneError that lists the names, of which @p what says what they
+  /// are.
+  unsigned int
+  index_of(const std::string              &text,
+           const std::vector<std::string> &names,
+           const std::string              &what);
+
+
+  /// A parameter whose value is one of some names; the first one is default.
+  void
+  add_index(dealii::ParameterHandler       &prm,
+            const std::string              &name,
+            unsigned int                   &variable,
+            const std::vector<std::string> &names,
+            const std::string              &what,
+            const std::string              &documentation);
 } // namespace selkie

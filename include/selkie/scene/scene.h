@@ -2,6 +2,7 @@
 
 #include <selkie/base/expression.h>
 #include <selkie/laws/law.h>
+#include <selkie/scene/effect.h>
 #include <selkie/scene/shapes.h>
 
 #include <deal.II/base/point.h>
@@ -96,7 +97,6 @@ namespace selkie
     unsigned int                      points_per_direction = 2; ///< per cell
     double                            jitter = 0; ///< of the point spacing
     std::shared_ptr<VectorExpression<dim>> initial_velocity; ///< may be null
-    bool                                   hydrostatic_start = false;
     /// Which points share nodes: all fluids are phase 0, each solid body is a
     /// phase of its own (1, 2, …).
     unsigned int phase = 0;
@@ -137,11 +137,10 @@ namespace selkie
     double         flip_fraction = 1.; ///< rest is PIC
   };
 
-  /// The effect `pressure stabilisation` and the fluid's volume rules; present
-  /// exactly when the scene has a fluid (formulation.md 4, quadrature.md).
+  /// The fluid's volume rules; present exactly when the scene has a fluid
+  /// (formulation.md 4, quadrature.md).
   struct FluidPressure
   {
-    double ppp_alpha        = 0.25; ///< polynomial pressure projection
     double volume_kappa     = 0.02; ///< volume drift correction per step
     double volume_deadband  = 0.1;
     bool   gauss_full_cells = true; ///< integrate full cells at Gauss points
@@ -224,10 +223,9 @@ namespace selkie
 
   struct OutputParameters
   {
-    std::string directory;             ///< set by --output or the scene
-    double      interval       = 0.02; ///< s between VTU files; 0: none
-    bool        mesh           = true; ///< mesh.pvd with nodal fields
-    double      probe_interval = 0.;   ///< s; 0: every step
+    std::string directory;       ///< set by --output or the scene
+    double      interval = 0.02; ///< s between VTU files; 0: none
+    bool        mesh     = true; ///< mesh.pvd with nodal fields
   };
 
   /// The value that a parameter has in the end, and who gave it.
@@ -256,18 +254,16 @@ namespace selkie
     OutputParameters       output;
     LeavingPolicy          leaving = LeavingPolicy::stop;
 
-    // Effects: absent unless the scene lists them.
-    std::optional<Inertia>                 inertia;
-    std::optional<dealii::Tensor<1, dim>>  gravity;    ///< m/s^2
-    std::shared_ptr<VectorExpression<dim>> body_force; ///< m/s^2, of X, x, t
-    bool                                   viscosity = false;
-    bool mean_dilatation = false; ///< of solids, patch by patch
-    std::optional<FluidPressure> fluid_pressure;
-    std::vector<Traction<dim>>   tractions;
-    std::vector<Probe<dim>>      probes;
+    /// What the scene calls for, in the order of effect_table().
+    std::vector<ActiveEffect<dim>> effects;
 
-    /// The names of the active effects, in the scene's words.
-    std::vector<std::string> effects;
+    // The parameters of effects that others read as well: absent unless the
+    // scene calls for the effect.
+    std::optional<Inertia>                inertia;
+    std::optional<dealii::Tensor<1, dim>> gravity; ///< m/s^2
+    std::optional<FluidPressure>          fluid_pressure;
+    std::vector<Traction<dim>>            tractions;
+    std::vector<Probe<dim>>               probes;
 
     /// Every parameter by its path, as in "Bodies/water/Density": for messages
     /// and for reports.
@@ -293,7 +289,28 @@ namespace selkie
     bool
     has_effect(const std::string &name) const
     {
-      return std::find(effects.begin(), effects.end(), name) != effects.end();
+      return std::any_of(effects.begin(),
+                         effects.end(),
+                         [&name](const ActiveEffect<dim> &active) {
+                           return active.name == name;
+                         });
+    }
+
+    bool
+    has_solid() const
+    {
+      return std::any_of(bodies.begin(), bodies.end(), [](const auto &body) {
+        return body.law->phase() == Phase::solid;
+      });
+    }
+
+    std::vector<std::string>
+    effect_names() const
+    {
+      std::vector<std::string> names;
+      for (const auto &active : effects)
+        names.push_back(active.name);
+      return names;
     }
   };
 } // namespace selkie

@@ -12,26 +12,41 @@
 namespace selkie
 {
   /**
+   * What the points of a patch are for. Material points have `matter`: mass,
+   * weight and transfer are summed over them. Points over which the internal
+   * force is summed have `integration`. Both hold except in full fluid cells,
+   * where a second patch of fixed Gauss points integrates (quadrature.md,
+   * section 3). The points of a loaded face of a finite element have `surface`
+   * and nothing else.
+   */
+  struct PatchKind
+  {
+    bool fluid       = false;
+    bool matter      = true;
+    bool integration = true;
+    bool surface     = false;
+
+    static constexpr unsigned int n_kinds = 16;
+
+    /// One number for each kind, less than n_kinds.
+    unsigned int
+    index() const
+    {
+      return fluid + 2 * matter + 4 * integration + 8 * surface;
+    }
+  };
+
+  /**
    * Points that share one node list: the points of one phase in one cell, with
    * all nodes that any of them reaches. One patch gives one dense block of the
    * tangent.
-   *
-   * A patch of material points has `matter`: mass, weight and transfer are
-   * summed over it. A patch over which the internal force is summed has
-   * `integration`. Both hold except in full fluid cells, where a second patch
-   * of fixed Gauss points integrates (quadrature.md, section 3). A patch of a
-   * loaded face of a finite element has `surface` and nothing else.
    */
   template <int dim>
-  struct Patch
+  struct Patch : PatchKind
   {
     typename dealii::Triangulation<dim>::active_cell_iterator cell;
 
-    unsigned int phase       = 0;
-    bool         fluid       = false;
-    bool         matter      = true;
-    bool         integration = true;
-    bool         surface     = false; ///< points of a loaded face
+    unsigned int phase = 0;
 
     unsigned int first_point = 0, n_points = 0; ///< in SupportTable::points
     unsigned int first_node = 0, n_nodes = 0;   ///< in SupportTable::nodes

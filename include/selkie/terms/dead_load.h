@@ -11,18 +11,19 @@ namespace selkie
   class DeadLoad : public Term<dim>
   {
   public:
-    TermNeeds
-    needs() const override
+    TermUse
+    use() const override
     {
-      TermNeeds needs;
-      needs.increment = true;
-      return needs;
+      TermUse use;
+      use.source = true;
+      use.energy = true;
+      return use;
     }
 
     bool
-    acts_on(const Patch<dim> &patch) const override
+    acts_on(const PatchKind &kind) const override
     {
-      return patch.matter;
+      return kind.matter;
     }
 
     void

@@ -9,13 +9,31 @@
 
 namespace selkie
 {
-  /// What a term needs to find in PatchState; nothing else is computed.
-  struct TermNeeds
+  /// What a term reads and what it writes. Kernels are composed from it at
+  /// set-up: nothing else is gathered, computed or integrated.
+  struct TermUse
   {
+    // Read, of PatchState:
     bool kinematics        = false; ///< f, J, c
     bool velocity_gradient = false; ///< l
+    bool pressure          = false; ///< p
     bool acceleration      = false; ///< sum N_a a_a
-    bool increment         = false; ///< sum N_a du_a, for the work of loads
+    bool increment         = false; ///< sum N_a du_a
+
+    // Written:
+    bool stress   = false; ///< PointForm::flux and stiffness
+    bool source   = false; ///< PointForm::source
+    bool mass     = false; ///< PointForm::mass
+    bool volume   = false; ///< the pressure equation: p_source, coupling, …
+    bool mean     = false; ///< MeanForm
+    bool at_nodes = false; ///< add_at_nodes() does something
+
+    /// dissipation() or external_work() is not zero; they find the increment,
+    /// too.
+    bool energy = false;
+
+    TermUse &
+    operator|=(const TermUse &other);
   };
 
   /// The nodal state of a Newton iterate, for terms that act at nodes.
@@ -23,12 +41,11 @@ namespace selkie
   {
     const Vector &lumped_mass; ///< at displacement unknowns (kg)
     const Vector &acceleration;
-    const Vector &displacement;
   };
 
   /**
-   * One weak-form term, which is one physical effect. It adds its forces and
-   * its consistent tangent to the points of a patch, or to the nodes.
+   * One weak-form term: the kernel of an effect. It adds its forces and its
+   * consistent tangent to the points of a patch, or to the nodes.
    */
   template <int dim>
   class Term
@@ -39,12 +56,12 @@ namespace selkie
     virtual std::string
     name() const = 0;
 
-    virtual TermNeeds
-    needs() const = 0;
+    virtual TermUse
+    use() const = 0;
 
-    /// Whether the term contributes at this patch's points.
+    /// Whether the term contributes at the points of such patches.
     virtual bool
-    acts_on(const Patch<dim> &patch) const = 0;
+    acts_on(const PatchKind &kind) const = 0;
 
     /// Adds to state.forms; the tangent only on request.
     virtual void
@@ -59,6 +76,22 @@ namespace selkie
                  Vector * /*diagonal*/) const
     {}
 
+    /// Whether its tangent is symmetric, or near enough for a symmetric solver.
+    /// @param h smallest node spacing (m)
+    virtual bool
+    symmetric(const Newmark & /*newmark*/, const double /*h*/) const
+    {
+      return true;
+    }
+
+    /// The acceleration that it gives to all matter (m/s^2): a measure of the
+    /// forces in play, for Newton's tolerance.
+    virtual double
+    acceleration_scale() const
+    {
+      return 0.;
+    }
+
     /// Power that the term turns into heat at the points of a patch (W).
     virtual double
     dissipation(const PatchState<dim> & /*state*/) const
@@ -66,7 +99,7 @@ namespace selkie
       return 0.;
     }
 
-    /// Work that the term's dead load does in the step (J).
+    /// Work that the term's forces do in the step (J), if they are external.
     virtual double
     external_work(const PatchState<dim> & /*state*/) const
     {

@@ -1,0 +1,23 @@
+#include <selkie/terms/effect_table.h>
+
+namespace selkie
+{
+  const std::vector<EffectRow> &
+  effect_table()
+  {
+    static const std::vector<EffectRow> table = {
+      inertia_effect(),
+      elasticity_effect(),
+      mean_dilatation_effect(),
+      fluid_pressure_effect(),
+      pressure_stabilisation_effect(),
+      viscosity_effect(),
+      gravity_effect(),
+      body_force_effect(),
+      traction_effect(),
+      prescribed_motion_effect(),
+      hydrostatic_start_effect(),
+      probes_effect()};
+    return table;
+  }
+} // namespace selkie

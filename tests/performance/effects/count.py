@@ -1,0 +1,119 @@
+#!/usr/bin/python3
+"""What each effect costs, counted: instructions, bytes, non-zeros, messages.
+
+    count.py SELKIE SELKIE_BARE MESSAGES_LIBRARY [--markdown]
+
+Instructions a step come from valgrind's callgrind on one rank, messages and
+collectives from the preloaded library on two; each is the difference of a run
+with 8 steps and one with 4, so that set-up and output do not count. The
+programs must be built without instructions that valgrind does not know
+(SELKIE_NATIVE=OFF). Exit code 1 unless the bare scene costs the same, to 0.5 %,
+in the program without the other effects' sources, with the same digits.
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+SHORT, LONG = 4, 8
+BARE, FLUID = HERE / "bare.prm", HERE / "fluid.prm"
+
+# name, scene, settings; each row is compared with the first one of its scene.
+PROBE = ("Probes/Names=tip", "Probes/tip/Kind=point", "Probes/tip/Position=0.5, 0.5")
+VARIANTS = [
+    ("bare solid", BARE, ()),
+    ("gravity", BARE, ("Effects=inertia, gravity",)),
+    ("body force", BARE, ("Effects=inertia, body force",
+                          "Body force/Acceleration=sin(X); t")),
+    ("mean dilatation", BARE, ("Effects=inertia, mean dilatation",)),
+    ("traction", BARE, ("Effects=inertia, traction", "Tractions/Names=pull",
+                        "Tractions/pull/Face=right", "Tractions/pull/Value=1e3; 0")),
+    ("spring foundation", BARE, ("Effects=inertia, spring foundation",
+                                 "Spring foundation/Face=left")),
+    ("prescribed motion", BARE, ("Effects=inertia, prescribed motion",
+                                 "Node sets/Names=grip",
+                                 "Node sets/grip/Shape=box(0.2, 0.2, 0.3, 0.8)",
+                                 "Node sets/grip/Condition=prescribed",
+                                 "Node sets/grip/Velocity=0.1; 0")),
+    ("probes", BARE, ("Effects=inertia, probes", *PROBE)),
+    ("bare fluid", FLUID, ()),
+    ("gravity (fluid)", FLUID, ("Effects=inertia, gravity",)),
+    ("viscosity", FLUID, ("Effects=inertia, viscosity",)),
+    ("hydrostatic start", FLUID, ("Effects=inertia, gravity, hydrostatic start",)),
+]
+ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+               "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+
+
+def run(before, program, scene, settings, steps, folder, **environment):
+    command = [*before, program, str(scene), "--output", str(folder),
+               "--set", f"Time/End time={steps * 1e-3}"]
+    for setting in settings:
+        command += ["--set", setting]
+    result = subprocess.run(command, capture_output=True, text=True,
+                            env={**ENVIRONMENT, **environment})
+    if result.returncode != 0:
+        sys.exit(" ".join(command) + "\n" + result.stdout + result.stderr)
+    return result.stderr
+
+
+def instructions(program, scene, settings, folder):
+    """A step's, and the statistics as text."""
+    counts = []
+    for steps in (SHORT, LONG):
+        out = run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"],
+                  program, scene, settings, steps, folder)
+        counts.append(int(re.search(r"Collected\s*:\s*(\d+)", out).group(1)))
+    return ((counts[1] - counts[0]) / (LONG - SHORT),
+            (folder / "statistics.csv").read_text())
+
+
+def messages(program, library, scene, settings, folder):
+    """Messages, bytes and collective calls of a step on two ranks, the mean."""
+    totals = []
+    for steps in (SHORT, LONG):
+        path = str(folder) + ".messages"
+        run(["mpirun", "--oversubscribe", "--bind-to", "none", "-np", "2",
+             "-x", "LD_PRELOAD=" + library, "-x", "SELKIE_MESSAGES=" + path],
+            program, scene, settings, steps, folder)
+        ranks = [[float(word) for word in open(f"{path}.{rank}").read().split()]
+                 for rank in (0, 1)]
+        totals.append([sum(column) / 2 for column in zip(*ranks)])
+    return [(b - a) / (LONG - SHORT) for a, b in zip(*totals)]
+
+
+def main():
+    selkie, bare, library = sys.argv[1:4]
+    rows, first, failed = [], {}, False
+    with tempfile.TemporaryDirectory(prefix="selkie-effects-") as top:
+        folder = pathlib.Path(top) / "run"
+        for name, scene, settings in VARIANTS:
+            count, digits = instructions(selkie, scene, settings, folder)
+            summary = json.loads((folder / "summary.json").read_text())
+            sent, size, collective = messages(selkie, library, scene, settings, folder)
+            first.setdefault(scene, count)
+            rows.append((name, count, count / first[scene] - 1,
+                         summary["bytes per point"], summary["matrix nonzeros"],
+                         sent, size, collective))
+            if name == "bare solid":
+                alone, alone_digits = instructions(bare, scene, settings, folder)
+                print(f"bare solid: {count:.0f} instructions a step, "
+                      f"{alone:.0f} without the other effects' sources "
+                      f"({count / alone - 1:+.3%}, bound 0.5 %); digits "
+                      + ("equal" if digits == alone_digits else "DIFFER"))
+                failed |= abs(count / alone - 1) > 5e-3 or digits != alone_digits
+    print("\n| scene | million instructions a step | against the bare scene | "
+          "bytes a point | non-zeros | messages a step | kB a step | collectives |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    for name, count, more, size, nonzeros, sent, sent_size, collective in rows:
+        print(f"| {name} | {count / 1e6:.2f} | {more:+.1%} | {size:.0f} | {nonzeros:.0f} "
+              f"| {sent:.1f} | {sent_size / 1e3:.1f} | {collective:.1f} |")
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()
