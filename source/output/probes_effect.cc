@@ -46,7 +46,7 @@ namespace selkie
       prm.add_parameter("Radius",
                         probe.radius,
                         "For `point`; 0 means one cell. Units: m.",
-                        Double(0.));
+                        Patterns::Double(0.));
       add_shape(prm,
                 "Shape",
                 probe.shape,
