@@ -5,11 +5,13 @@ namespace selkie
   const std::vector<LawRow> &
   law_table()
   {
-    static const std::vector<LawRow> table = {neo_hookean_law(),
-                                              isochoric_neo_hookean_law(),
-                                              saint_venant_kirchhoff_law(),
-                                              mooney_rivlin_law(),
-                                              newtonian_fluid_law()};
+    static const std::vector<LawRow> table = {
+      neo_hookean_law(),
+      isochoric_neo_hookean_law(),
+      saint_venant_kirchhoff_law(),
+      mooney_rivlin_law(),
+      newtonian_fluid_law(),
+    };
     return table;
   }
 } // namespace selkie

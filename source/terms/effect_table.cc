@@ -17,7 +17,8 @@ namespace selkie
       traction_effect(),
       prescribed_motion_effect(),
       hydrostatic_start_effect(),
-      probes_effect()};
+      probes_effect(),
+    };
     return table;
   }
 } // namespace selkie

@@ -1,6 +1,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/particles/particle_set.h>
+#include <selkie/scene/effect.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -139,7 +140,7 @@ TEST(ParticleColumns, ExistOnlyWhenNeeded)
   scene.bodies.push_back(
     make_body<2>("gate", scene.bodies[0].shape, Phase::solid));
   scene.transfer.scheme = TransferScheme::tpic;
-  scene.tractions.resize(1);
+  scene.effects.push_back({"traction", find_effect("traction")->make<2>()});
   ParticleFields     with_all;
   ParticleColumns<2> all(scene, with_all);
   EXPECT_TRUE(all.F.exists() && all.X.exists() && all.grad_v.exists() &&

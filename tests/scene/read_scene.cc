@@ -128,7 +128,7 @@ TEST(ReadScene, AbsentEffectsAreAbsent)
   EXPECT_FALSE(scene.has_effect("viscosity"));
   EXPECT_FALSE(scene.has_fluid());
   EXPECT_EQ(scene.effect_names(),
-            (std::vector<std::string>{"inertia", "elasticity"}));
+            (std::vector<std::string>{"inertia", "elasticity", "probes"}));
   EXPECT_TRUE(scene.tractions.empty());
   EXPECT_EQ(scene.parameters.count("Gravity/Acceleration"), 0u);
   EXPECT_EQ(scene.parameters.count("Fluid pressure/Stabilisation"), 0u);
@@ -229,7 +229,10 @@ TEST(ReadScene, Refusals)
   expect_refusal({"Gravity/Acceleration=0, 0"}, "Gravity", "zero");
   expect_refusal({"Bodies/water/Law parameters/Viscosity=0"},
                  "Effects",
-                 "every fluid is 0");
+                 "every fluid 0: it would do nothing and cost");
+  expect_refusal({"Effects=inertia, gravity, viscosity, probes, elasticity"},
+                 "Effects",
+                 "comes with the bodies");
   expect_refusal({"Bodies/water/Points per direction=0"},
                  "Points per direction",
                  "from 1 to 20");
