@@ -11,6 +11,7 @@ namespace selkie
       saint_venant_kirchhoff_law(),
       mooney_rivlin_law(),
       newtonian_fluid_law(),
+      bingham_fluid_law(),
     };
     return table;
   }

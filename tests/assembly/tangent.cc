@@ -132,6 +132,18 @@ TEST(Tangent, DisplacementColumnsOfFluidAndSolid)
   check_direction(problem, false);
 }
 
+TEST(Tangent, ViscosityThatDependsOnTheRateOfShear)
+{
+  std::string text = small_scenes::fluid_on_solid();
+  text.replace(text.find("newtonian fluid"), 15, "bingham fluid");
+  text.replace(text.find("set Viscosity    = 5"),
+               20,
+               "set Plastic viscosity = 5\n set Yield stress = 50\n "
+               "set Regularisation = 0.3");
+  Problem<2> problem(text);
+  check_direction(problem, false);
+}
+
 TEST(Tangent, PressureColumns)
 {
   Problem<2> problem(small_scenes::fluid_on_solid());

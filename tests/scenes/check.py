@@ -168,6 +168,20 @@ def affine_flight(selkie, folder, variant):
                   for value, t in zip(p["displacement " + axis], p["time"])), 1e-10)
 
 
+def bingham_shear(selkie, folder):
+    """The heat of a prescribed shear; trapezoidal velocities make it exact.
+
+    Points move along y = const, J stays 1, and the velocity gradient is the
+    prescribed one at every point: only the law is tested.
+    """
+    s = run(selkie, HERE / "bingham_shear.prm", folder)
+    rate, mu, tau, m, area = 2., 5., 40., 1.5, 1.
+    power = (tau * (1 - math.exp(-m * rate)) + mu * rate) * rate * area
+    check("dissipated energy", worst([e / (power * t) for e, t in
+                                      zip(s["dissipated energy"], s["time"])], 1), 1e-9)
+    check("smallest J", worst(s["min J"], 1), 1e-6)
+
+
 def spinning_plate(selkie, folder):
     """Linear momentum stays zero; the angular momentum drifts within bounds."""
     s = run(selkie, HERE / "spinning_plate.prm", folder)

@@ -60,6 +60,8 @@ namespace selkie
   mooney_rivlin_law();
   LawRow
   newtonian_fluid_law();
+  LawRow
+  bingham_fluid_law();
 
   /// All laws, in the order of the parameter reference. A new law is a source
   /// (with a header if others need its class), its declaration above and its
