@@ -15,6 +15,7 @@ namespace selkie
       gravity_effect(),
       body_force_effect(),
       traction_effect(),
+      spring_foundation_effect(),
       prescribed_motion_effect(),
       hydrostatic_start_effect(),
       probes_effect(),

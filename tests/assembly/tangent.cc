@@ -164,6 +164,14 @@ TEST(Tangent, MeanDilatation)
   check_direction(problem, false);
 }
 
+TEST(Tangent, SpringFoundation)
+{
+  std::string text = small_scenes::free_block();
+  text.replace(text.find("= inertia"), 9, "= inertia, spring foundation");
+  Problem<2> problem(text, {"Spring foundation/Stiffness=1e8"});
+  check_direction(problem, false);
+}
+
 TEST(Tangent, SymmetricWithoutViscosity)
 {
   std::string text = small_scenes::fluid_on_solid();

@@ -16,6 +16,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 BENCHMARKS = HERE.parents[1] / "prm" / "benchmarks"
+COOKBOOKS = HERE.parents[1] / "prm" / "cookbooks"
 DATA = HERE.parents[1] / "doc" / "data"
 failures = 0
 
@@ -180,6 +181,25 @@ def bingham_shear(selkie, folder):
     check("dissipated energy", worst([e / (power * t) for e, t in
                                       zip(s["dissipated energy"], s["time"])], 1), 1e-9)
     check("smallest J", worst(s["min J"], 1), 1e-6)
+
+
+def spring_foundation(selkie, folder):
+    """A stiff block on springs under sudden gravity: m y'' = m g - k A y.
+
+    y(t) = (m g / k A)(1 - cos w t), w^2 = k A / m. The block is 25 000 times
+    stiffer than the springs, which leaves 1e-4 in the period.
+    """
+    s = run(selkie, COOKBOOKS / "spring_foundation.prm", folder)
+    mass, g, kA = 1000. * 0.5 * 0.5, 9.81, 1e6 * 0.5
+    omega = math.sqrt(kA / mass)
+    static = mass * g / kA
+    y = [s["center of mass y"][0] - v for v in s["center of mass y"]]
+    y0 = static * (1 - math.cos(omega * s["time"][0]))  # of the first row
+    exact = [static * (1 - math.cos(omega * t)) - y0 for t in s["time"]]
+    check("sinking of the centre over 2 m g / k A, two periods",
+          max(abs(a - b) for a, b in zip(y, exact)) / (2 * static), 1e-2)
+    check("energy balance over m g y",
+          worst(s["energy balance"], 0) / (2 * mass * g * static), 1e-3)
 
 
 def spinning_plate(selkie, folder):

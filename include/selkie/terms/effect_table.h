@@ -34,6 +34,8 @@ namespace selkie
   EffectRow
   traction_effect();
   EffectRow
+  spring_foundation_effect();
+  EffectRow
   prescribed_motion_effect();
   EffectRow
   hydrostatic_start_effect();
