@@ -1,3 +1,4 @@
+#include <selkie/base/text.h>
 #include <selkie/drivers/run_output.h>
 #include <selkie/output/banner.h>
 #include <selkie/output/checkpoint.h>
@@ -7,7 +8,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <cmath>
-#include <cstdio>
 
 namespace selkie
 {
@@ -15,32 +15,6 @@ namespace selkie
 
   namespace
   {
-    std::string
-    join(const std::vector<std::string> &words)
-    {
-      std::string text;
-      for (const auto &word : words)
-        text += (text.empty() ? "" : ", ") + word;
-      return text.empty() ? "none" : text;
-    }
-
-    template <typename... Values>
-    std::string
-    format(const char *pattern, const Values... values)
-    {
-      char text[512];
-      std::snprintf(text, sizeof(text), pattern, values...);
-      return text;
-    }
-
-    std::string
-    duration(const double seconds)
-    {
-      return seconds < 120.   ? format("%.0f s", seconds)
-             : seconds < 7200 ? format("%.0f min", seconds / 60.)
-                              : format("%.1f h", seconds / 3600.);
-    }
-
     /// The mean over the ranks of what each part of the assembly cost.
     template <int dim>
     std::vector<CostLedger::Entry>
@@ -312,53 +286,6 @@ namespace selkie
     log.line("          The last good state is in " + folder + ".");
   }
 
-  template <int dim>
-  void
-  describe_plan(const Scene<dim>       &scene,
-                const ParticleSet<dim> &particles,
-                const Stepper<dim>     &stepper,
-                const StepReport<dim>  &report,
-                const double            seconds_per_step,
-                Log                    &log)
-  {
-    const auto   n_points = particles.handler().n_global_particles();
-    const double steps    = std::ceil(scene.time.end_time / scene.time.step);
-    log.line("Scene     " + scene.title + " (" + scene.file + ")");
-    log.line("Effects   " + join(scene.effect_names()));
-    log.line("Terms     " + join(stepper.term_names()));
-    std::vector<std::string> columns;
-    for (const auto &entry : particles.fields.entries())
-      columns.push_back(entry.name + " (" +
-                        std::to_string(8 * entry.n_components) + " B)");
-    log.line("Columns   " + join(columns));
-    log.line(format("Points    %llu, %u bytes of columns each",
-                    static_cast<unsigned long long>(n_points),
-                    8 * particles.fields.n_components()));
-    log.line(format("Unknowns  %llu at the start, %u a node%s",
-                    report.unknowns,
-                    dim,
-                    scene.has_fluid() ? " and one pressure in the fluid" : ""));
-    log.line("Solver    " + stepper.solver_in_use(scene.time.step));
-    Utilities::System::MemoryStats memory;
-    Utilities::System::get_memory_stats(memory);
-    log.line(
-      format("Memory    %.0f MB peak on this rank", memory.VmPeak / 1024.));
-    log.line(format("Time      %.0f steps of about %.2g s: %s if the first "
-                    "step is typical (speed and contact make it longer)",
-                    steps,
-                    seconds_per_step,
-                    duration(steps * seconds_per_step).c_str()));
-  }
-
-#define INSTANTIATE(dim)                                \
-  template class RunOutput<dim>;                        \
-  template void describe_plan(const Scene<dim> &,       \
-                              const ParticleSet<dim> &, \
-                              const Stepper<dim> &,     \
-                              const StepReport<dim> &,  \
-                              const double,             \
-                              Log &)
-  INSTANTIATE(2);
-  INSTANTIATE(3);
-#undef INSTANTIATE
+  template class RunOutput<2>;
+  template class RunOutput<3>;
 } // namespace selkie

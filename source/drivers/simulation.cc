@@ -1,5 +1,6 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/base/log.h>
+#include <selkie/drivers/plan.h>
 #include <selkie/drivers/run_output.h>
 #include <selkie/drivers/simulation.h>
 #include <selkie/drivers/stepper.h>
@@ -124,10 +125,10 @@ namespace selkie
       scene, setup.particles, *setup.cloud, timers, [](const std::string &) {});
     TimeControl time(time_parameters(scene), setup.cloud->smallest_spacing());
     stepper.start(time.now(), time.step());
-    const double begin  = timers.wall_time();
-    const auto   report = stepper.step(time.now(), time.step());
+    const auto before = timers.rows();
+    const auto report = stepper.step(time.now(), time.step());
     describe_plan(
-      scene, setup.particles, stepper, report, timers.wall_time() - begin, log);
+      scene, setup.particles, stepper, report, before, timers.rows(), log);
   }
 
 #define INSTANTIATE(dim)                                       \

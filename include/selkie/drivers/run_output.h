@@ -111,14 +111,4 @@ namespace selkie
     unsigned long long unknowns    = 0;
     double             start_wall  = 0;
   };
-
-  /// The text of `selkie check`.
-  template <int dim>
-  void
-  describe_plan(const Scene<dim>       &scene,
-                const ParticleSet<dim> &particles,
-                const Stepper<dim>     &stepper,
-                const StepReport<dim>  &report,
-                const double            seconds_per_step,
-                Log                    &log);
 } // namespace selkie

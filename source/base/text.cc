@@ -1,0 +1,23 @@
+#include <selkie/base/text.h>
+
+namespace selkie
+{
+  std::string
+  join(const std::vector<std::string> &words)
+  {
+    std::string text;
+    for (const auto &word : words)
+      text += (text.empty() ? "" : ", ") + word;
+    return text.empty() ? "none" : text;
+  }
+
+
+  std::string
+  duration(const double seconds)
+  {
+    return seconds < 10.     ? format("%.1f s", seconds)
+           : seconds < 120.  ? format("%.0f s", seconds)
+           : seconds < 7200. ? format("%.0f min", seconds / 60.)
+                             : format("%.1f h", seconds / 3600.);
+  }
+} // namespace selkie
