@@ -13,7 +13,7 @@ namespace selkie
 
 
   std::string
-  duration(const double seconds)
+  time_span(const double seconds)
   {
     return seconds < 10.     ? format("%.1f s", seconds)
            : seconds < 120.  ? format("%.0f s", seconds)

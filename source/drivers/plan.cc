@@ -123,12 +123,12 @@ namespace selkie
                     "step is typical (speed and contact make it longer)",
                     steps,
                     total,
-                    duration(steps * total).c_str()));
+                    time_span(steps * total).c_str()));
     for (const auto &[path, seconds] : phases(before, after))
       if (seconds > 1e-3 * total)
         log.line(format("          %-22s %s",
                         path.c_str(),
-                        duration(steps * seconds).c_str()));
+                        time_span(steps * seconds).c_str()));
   }
 
   template void

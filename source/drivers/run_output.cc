@@ -206,7 +206,7 @@ namespace selkie
              report.newton.linear_iterations,
              report.unknowns,
              100. * time.now() / time.end(),
-             duration(left).c_str()));
+             time_span(left).c_str()));
   }
 
   template <int dim>
@@ -258,7 +258,7 @@ namespace selkie
     log.line(format("Done      %u steps to t = %g s in %s, %u cuts",
                     time.number(),
                     time.now(),
-                    duration(timers.wall_time()).c_str(),
+                    time_span(timers.wall_time()).c_str(),
                     time.cuts()));
   }
 

@@ -26,5 +26,5 @@ namespace selkie
 
   /// A time span in the unit that suits it.
   std::string
-  duration(const double seconds);
+  time_span(const double seconds);
 } // namespace selkie
