@@ -262,17 +262,21 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::fail(ParticleSet<dim>                          &particles,
+                       const Stepper<dim>                        &stepper,
                        parallel::distributed::Triangulation<dim> &mesh,
                        const TimeControl                         &time,
                        const std::string                         &why)
   {
-    const std::string folder = write_checkpoint(scene.output.directory,
-                                                scene,
-                                                particles,
-                                                mesh,
-                                                time.now(),
-                                                time.number(),
-                                                time.step());
+    const std::string folder =
+      write_checkpoint(scene.output.directory,
+                       scene,
+                       particles,
+                       mesh,
+                       stepper.system().cloud.dof_handler(),
+                       stepper.kept_fields(),
+                       time.now(),
+                       time.number(),
+                       time.step());
     close(particles, time, why);
     log.line(format("Failed    at t = %g s, with the smallest time step "
                     "%.3g s:",

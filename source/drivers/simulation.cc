@@ -101,7 +101,7 @@ namespace selkie
           }
         catch (const NumericalFailure &failure)
           {
-            output.fail(particles, *setup->mesh, time, failure.what());
+            output.fail(particles, stepper, *setup->mesh, time, failure.what());
             return 2;
           }
         const double dt = time.step();

@@ -114,6 +114,12 @@ namespace selkie
       return tangent;
     }
 
+    const dealii::TrilinosWrappers::SparseMatrix &
+    matrix() const
+    {
+      return tangent;
+    }
+
     /// Matrix column (Epetra's local index) of an unknown's local index.
     int
     column(const unsigned int index) const

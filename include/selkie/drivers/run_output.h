@@ -55,6 +55,7 @@ namespace selkie
     /// Writes a checkpoint of the last good state and says why the run ends.
     void
     fail(ParticleSet<dim>                                  &particles,
+         const Stepper<dim>                                &stepper,
          dealii::parallel::distributed::Triangulation<dim> &mesh,
          const TimeControl                                 &time,
          const std::string                                 &why);
