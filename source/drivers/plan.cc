@@ -36,7 +36,7 @@ namespace selkie
                       const StepReport<dim> &report,
                       Log                   &log)
     {
-      const double nonzeros = stepper.system().n_nonzeros();
+      const double nonzeros = stepper.system().matrix().n_nonzero_elements();
       log.line(
         format("Unknowns  %llu at the start, %u a node%s",
                report.unknowns,

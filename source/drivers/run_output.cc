@@ -223,7 +223,7 @@ namespace selkie
     summary.ranks           = Utilities::MPI::n_mpi_processes(comm);
     summary.points          = particles.handler().n_global_particles();
     summary.unknowns        = unknowns;
-    summary.nonzeros        = stepper.system().n_nonzeros();
+    summary.nonzeros        = stepper.system().matrix().n_nonzero_elements();
     summary.bytes_per_point = 8 * particles.fields.n_components();
     summary.steps           = time.number();
     summary.end_time        = time.now();
@@ -270,13 +270,16 @@ namespace selkie
                        const TimeControl                         &time,
                        const std::string                         &why)
   {
-    const std::string folder = write_checkpoint(scene.output.directory,
-                                                scene,
-                                                particles,
-                                                mesh,
-                                                time.now(),
-                                                time.number(),
-                                                time.step());
+    const std::string folder =
+      write_checkpoint(scene.output.directory,
+                       scene,
+                       particles,
+                       mesh,
+                       stepper.system().cloud.dof_handler(),
+                       stepper.kept_fields(),
+                       time.now(),
+                       time.number(),
+                       time.step());
     close(particles, stepper, time, why);
     log.line(format("Failed    at t = %g s, with the smallest time step "
                     "%.3g s:",

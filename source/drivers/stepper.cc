@@ -460,6 +460,23 @@ namespace selkie
   }
 
   template <int dim>
+  std::map<std::string, const Vector *>
+  Stepper<dim>::kept_fields() const
+  {
+    std::map<std::string, const Vector *> fields;
+    for (unsigned int d = 0; nodes && d < dim; ++d)
+      {
+        const std::string axis(1, "xyz"[d]);
+        fields["displacement " + axis] = &nodes->displacement[d];
+        fields["velocity " + axis]     = &nodes->velocity[d];
+        fields["acceleration " + axis] = &nodes->acceleration[d];
+      }
+    if (scene.has_fluid())
+      fields["pressure"] = &stored_pressure;
+    return fields;
+  }
+
+  template <int dim>
   std::vector<std::string>
   Stepper<dim>::term_names() const
   {

@@ -6,6 +6,10 @@
 #include <selkie/output/files.h>
 #include <selkie/output/json.h>
 
+#include <deal.II/distributed/solution_transfer.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
+
 #include <boost/archive/text_iarchive.hpp>
 #include <boost/archive/text_oarchive.hpp>
 #include <boost/property_tree/json_parser.hpp>
@@ -57,6 +61,76 @@ namespace selkie
         text += (text.empty() ? "" : ", ") + entry.name + " x " +
                 std::to_string(entry.n_components);
       return text;
+    }
+
+    template <typename Value>
+    std::string
+    names_text(const std::map<std::string, Value> &fields)
+    {
+      std::string text;
+      for (const auto &[name, values] : fields)
+        text += (text.empty() ? "" : ", ") + name;
+      return text;
+    }
+
+    /// Carries fields on the nodes with the cells of the mesh.
+    template <int dim>
+    using FieldTransfer =
+      dealii::parallel::distributed::SolutionTransfer<dim, Vector>;
+
+    template <int dim>
+    std::vector<const Vector *>
+    const_pointers(const CheckpointFields<dim> &fields)
+    {
+      std::vector<const Vector *> result;
+      for (const auto &[name, values] : fields.values)
+        result.push_back(&values);
+      return result;
+    }
+
+    /// Numbers the nodes of the mesh and makes room for the fields.
+    template <int dim>
+    std::vector<Vector *>
+    reinit(CheckpointFields<dim> &fields)
+    {
+      fields.dofs.distribute_dofs(dealii::FE_Q<dim>(1));
+      dealii::IndexSet relevant;
+      dealii::DoFTools::extract_locally_relevant_dofs(fields.dofs, relevant);
+      std::vector<Vector *> result;
+      for (auto &[name, values] : fields.values)
+        {
+          values.reinit(fields.dofs.locally_owned_dofs(),
+                        relevant,
+                        fields.dofs.get_communicator());
+          result.push_back(&values);
+        }
+      return result;
+    }
+
+    template <int dim>
+    void
+    update_ghosts(CheckpointFields<dim> &fields)
+    {
+      for (auto &[name, values] : fields.values)
+        values.update_ghost_values();
+    }
+
+    /// Gives every rank its share of the points; the fields go with the cells.
+    template <int dim>
+    void
+    rebalance(ParticleSet<dim> &particles, CheckpointFields<dim> &fields)
+    {
+      if (fields.values.empty())
+        {
+          particles.rebalance();
+          return;
+        }
+      FieldTransfer<dim> transfer(fields.dofs);
+      transfer.prepare_for_coarsening_and_refinement(const_pointers(fields));
+      particles.rebalance();
+      auto values = reinit(fields);
+      transfer.interpolate(values);
+      update_ghosts(fields);
     }
 
     JsonObject
@@ -114,9 +188,10 @@ namespace selkie
 
     template <int dim>
     JsonObject
-    description(const Scene<dim>       &scene,
-                const ParticleSet<dim> &particles,
-                const CheckpointState  &state)
+    description(const Scene<dim>                            &scene,
+                const ParticleSet<dim>                      &particles,
+                const std::map<std::string, const Vector *> &nodal_fields,
+                const CheckpointState                       &state)
     {
       JsonObject json;
       json.add("scene", scene.file);
@@ -126,6 +201,7 @@ namespace selkie
                  particles.communicator()));
       json.add("points", particles.handler().n_global_particles());
       json.add("columns", columns_text(particles.fields));
+      json.add("nodal fields", names_text(nodal_fields));
       json.add("state", to_json(state));
       return json;
     }
@@ -158,9 +234,11 @@ namespace selkie
                    const Scene<dim>                                  &scene,
                    ParticleSet<dim>                                  &particles,
                    dealii::parallel::distributed::Triangulation<dim> &mesh,
-                   const double                                       time,
-                   const unsigned int                                 step,
-                   const double                                       dt)
+                   const dealii::DoFHandler<dim>                     &dofs,
+                   const std::map<std::string, const Vector *> &nodal_fields,
+                   const double                                 time,
+                   const unsigned int                           step,
+                   const double                                 dt)
   {
     const MPI_Comm        comm        = particles.communicator();
     const fs::path        checkpoints = fs::path(directory) / "checkpoint";
@@ -174,6 +252,12 @@ namespace selkie
     });
 
     particles.handler().prepare_for_serialization();
+    FieldTransfer<dim>          transfer(dofs);
+    std::vector<const Vector *> values;
+    for (const auto &[name, field] : nodal_fields)
+      values.push_back(field);
+    if (!values.empty())
+      transfer.prepare_for_serialization(values);
     mesh.save((folder / "mesh").string());
 
     on_root<std::runtime_error>(comm, [&]() {
@@ -181,7 +265,7 @@ namespace selkie
       boost::archive::text_oarchive archive(counters);
       archive << std::as_const(particles).handler();
       write_text((folder / "points").string(), counters.str());
-      description(scene, particles, state)
+      description(scene, particles, nodal_fields, state)
         .write((folder / "checkpoint.json").string());
       mark_good(checkpoints, name);
     });
@@ -203,7 +287,8 @@ namespace selkie
   CheckpointState
   read_checkpoint(const std::string                                 &folder,
                   ParticleSet<dim>                                  &particles,
-                  dealii::parallel::distributed::Triangulation<dim> &mesh)
+                  dealii::parallel::distributed::Triangulation<dim> &mesh,
+                  CheckpointFields<dim> &nodal_fields)
   {
     const MPI_Comm              comm = particles.communicator();
     boost::property_tree::ptree json;
@@ -227,37 +312,44 @@ namespace selkie
     archive >> particles.handler();
     particles.handler().deserialize();
 
+    nodal_fields.dofs.reinit(mesh);
+    nodal_fields.values.clear();
+    for (const auto &name : dealii::Utilities::split_string_list(
+           json.get<std::string>("nodal fields")))
+      nodal_fields.values[name];
+    auto values = reinit(nodal_fields);
+    if (!values.empty())
+      {
+        FieldTransfer<dim> transfer(nodal_fields.dofs);
+        transfer.deserialize(values);
+        update_ghosts(nodal_fields);
+      }
+
     const CheckpointState state = from_json(json.get_child("state"));
     particles.accounting        = state.accounting;
     if (other_ranks)
-      particles.rebalance();
+      rebalance(particles, nodal_fields);
     return state;
   }
 
 
-  template std::string
-  write_checkpoint(const std::string &,
-                   const Scene<2> &,
-                   ParticleSet<2> &,
-                   dealii::parallel::distributed::Triangulation<2> &,
-                   const double,
-                   const unsigned int,
-                   const double);
-  template std::string
-  write_checkpoint(const std::string &,
-                   const Scene<3> &,
-                   ParticleSet<3> &,
-                   dealii::parallel::distributed::Triangulation<3> &,
-                   const double,
-                   const unsigned int,
-                   const double);
-
-  template CheckpointState
-  read_checkpoint(const std::string &,
-                  ParticleSet<2> &,
-                  dealii::parallel::distributed::Triangulation<2> &);
-  template CheckpointState
-  read_checkpoint(const std::string &,
-                  ParticleSet<3> &,
-                  dealii::parallel::distributed::Triangulation<3> &);
+#define INSTANTIATE(dim)                                 \
+  template std::string write_checkpoint(                 \
+    const std::string &,                                 \
+    const Scene<dim> &,                                  \
+    ParticleSet<dim> &,                                  \
+    dealii::parallel::distributed::Triangulation<dim> &, \
+    const dealii::DoFHandler<dim> &,                     \
+    const std::map<std::string, const Vector *> &,       \
+    const double,                                        \
+    const unsigned int,                                  \
+    const double);                                       \
+  template CheckpointState read_checkpoint(              \
+    const std::string &,                                 \
+    ParticleSet<dim> &,                                  \
+    dealii::parallel::distributed::Triangulation<dim> &, \
+    CheckpointFields<dim> &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
 } // namespace selkie

@@ -157,7 +157,8 @@ namespace selkie
                         mesh.file,
                         "A mesh of quadrilaterals or hexahedra to read, in a "
                         "format that deal.II's GridIn knows by its ending "
-                        "(.msh of gmsh, .inp, .vtk, .ucd). Units: none.");
+                        "(.msh of gmsh, .inp, .vtk, .ucd); seen from the "
+                        "folder of the scene's file. Units: none.");
       prm.add_parameter("Generator",
                         mesh.generator,
                         "Or the name of one of deal.II's GridGenerator "

@@ -1,16 +1,42 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/scene/imported_mesh.h>
 
+#include <deal.II/base/geometry_info.h>
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_in.h>
 #include <deal.II/grid/grid_tools.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 namespace selkie
 {
   using namespace dealii;
+
+  namespace
+  {
+    /// @p text in one line: deal.II's reasons have several.
+    std::string
+    in_one_line(const std::string &text)
+    {
+      std::istringstream words(text);
+      std::string        line, word;
+      while (words >> word)
+        line += (line.empty() ? "" : " ") + word;
+      return line;
+    }
+
+    std::string
+    source_of(const ImportedMesh &mesh)
+    {
+      return mesh.file.empty()
+               ? "the generator '" + mesh.generator + "' with the arguments '" +
+                   mesh.arguments + "'"
+               : "the file '" + mesh.file + "'";
+    }
+  } // namespace
 
   template <int dim>
   void
@@ -36,14 +62,54 @@ namespace selkie
           exception->print_info(why);
         else
           why << error.what();
-        throw SceneError("Domain/Mesh: deal.II cannot make a mesh from " +
-                         (mesh.file.empty()
-                            ? "the generator '" + mesh.generator +
-                                "' with the arguments '" + mesh.arguments + "'"
-                            : "the file '" + mesh.file + "'") +
-                         ": " + why.str());
+        throw SceneError("Domain/Mesh: deal.II cannot make a " +
+                         std::to_string(dim) + "D mesh from " +
+                         source_of(mesh) + ": " + in_one_line(why.str()));
       }
   }
+
+  namespace
+  {
+    /// Whether the cell is the image of the unit cell: turned the right way
+    /// round at all its corners.
+    template <typename Cell>
+    bool
+    is_convex(const Cell &cell)
+    {
+      constexpr int dim = Cell::AccessorType::dimension;
+      using Info        = GeometryInfo<dim>;
+      Point<dim>     vertices[Info::vertices_per_cell];
+      Tensor<0, dim> volumes[Info::vertices_per_cell];
+      for (const unsigned int v : Info::vertex_indices())
+        vertices[v] = cell->vertex(v);
+      Info::alternating_form_at_vertices(vertices, volumes);
+      return std::all_of(std::begin(volumes),
+                         std::end(volumes),
+                         [](const double volume) { return volume > 0.; });
+    }
+
+    template <int dim>
+    void
+    check_cells(const ImportedMesh       &mesh,
+                const Triangulation<dim> &triangulation)
+    {
+      if (!triangulation.all_reference_cells_are_hyper_cube())
+        throw SceneError("Domain/Mesh: " + source_of(mesh) +
+                         " has triangles, tetrahedra or other cells; allowed "
+                         "are quadrilaterals (2D) and hexahedra (3D)");
+      for (const auto &cell : triangulation.active_cell_iterators())
+        if (!is_convex(cell))
+          {
+            std::ostringstream where;
+            where << cell->center();
+            throw SceneError("Domain/Mesh: " + source_of(mesh) +
+                             " has distorted cells, for example at (" +
+                             where.str() +
+                             "): a corner has 180 degrees or more, or the "
+                             "cell is inside out");
+          }
+    }
+  } // namespace
 
   template <int dim>
   void
@@ -51,6 +117,7 @@ namespace selkie
   {
     Triangulation<dim> coarse;
     make_coarse_mesh(*domain.mesh, coarse);
+    check_cells(*domain.mesh, coarse);
     const auto box = GridTools::compute_bounding_box(coarse);
     domain.lower   = box.get_boundary_points().first;
     domain.upper   = box.get_boundary_points().second;

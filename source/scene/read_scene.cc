@@ -261,6 +261,10 @@ namespace selkie
     if (scene.domain.mesh)
       {
         check_mesh_source(scene);
+        std::string &mesh_file = scene.domain.mesh->file;
+        if (!mesh_file.empty())
+          mesh_file =
+            (std::filesystem::path(file).parent_path() / mesh_file).string();
         fit_box(scene.domain);
       }
     check_scene(scene);

@@ -5,7 +5,6 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/solver_minres.h>
-#include <deal.II/lac/trilinos_solver.h>
 
 #include <cmath>
 
@@ -62,6 +61,41 @@ namespace selkie
                                     : SolverKind::gmres_block;
   }
 
+  namespace
+  {
+    template <int dim>
+    std::unique_ptr<const Preconditioner>
+    make_preconditioner(const SolverKind    kind,
+                        const System<dim>  &system,
+                        const SystemTraits &traits)
+    {
+      const auto &matrix = system.matrix();
+      switch (kind)
+        {
+          case SolverKind::cg_jacobi:
+            return make_node_block_jacobi(system, matrix);
+          case SolverKind::cg_ml:
+            return make_ml(system, matrix);
+          case SolverKind::gmres_block:
+            return make_block_ldlt(system, matrix, traits.has_solid);
+          default:
+            return make_jacobi(matrix);
+        }
+    }
+
+    /// |rhs - K x|, of which the iterative solvers see only an estimate.
+    double
+    true_residual(const TrilinosWrappers::SparseMatrix &matrix,
+                  const Vector                         &rhs,
+                  const Vector                         &x,
+                  Vector                               &work)
+    {
+      matrix.vmult(work, x);
+      work.sadd(-1., 1., rhs);
+      return work.l2_norm();
+    }
+  } // namespace
+
   template <int dim>
   LinearSolveReport
   LinearSolver<dim>::solve(System<dim>        &system,
@@ -77,7 +111,15 @@ namespace selkie
         std::string reason;
         try
           {
-            report.iterations = iterate(kind, system, traits, rhs, x);
+            report.iterations =
+              kind == SolverKind::cg_ml
+                ? iterate_with_multigrid(system, traits, rhs, x)
+                : iterate(kind,
+                          *make_preconditioner(kind, system, traits),
+                          parameters.max_iterations,
+                          system,
+                          rhs,
+                          x);
             return report;
           }
         catch (const SolverControl::NoConvergence &error)
@@ -93,50 +135,62 @@ namespace selkie
         report.solver    = to_string(SolverKind::direct);
         log(to_string(kind) + ": " + reason + "; the direct solver takes over");
       }
-    solve_directly(system, rhs, x);
+    direct.solve(system.matrix().trilinos_matrix(),
+                 system.n_sparsity_builds(),
+                 traits.symmetric && !traits.mixed,
+                 rhs,
+                 x);
     return report;
   }
 
-  namespace
+  /// Setting ML up costs as much as some ten iterations: that of an earlier
+  /// matrix serves until it needs clearly more of them than it did at first.
+  template <int dim>
+  unsigned int
+  LinearSolver<dim>::iterate_with_multigrid(System<dim>        &system,
+                                            const SystemTraits &traits,
+                                            const Vector       &rhs,
+                                            Vector             &x)
   {
-    /// |rhs - K x|, of which the iterative solvers see only an estimate.
-    double
-    true_residual(const TrilinosWrappers::SparseMatrix &matrix,
-                  const Vector                         &rhs,
-                  const Vector                         &x,
-                  Vector                               &work)
-    {
-      matrix.vmult(work, x);
-      work.sadd(-1., 1., rhs);
-      return work.l2_norm();
-    }
-  } // namespace
+    const auto run = [&](const unsigned int max_iterations) {
+      return iterate(SolverKind::cg_ml,
+                     *multigrid.preconditioner,
+                     max_iterations,
+                     system,
+                     rhs,
+                     x);
+    };
+    if (multigrid.preconditioner != nullptr &&
+        multigrid.pattern == system.n_sparsity_builds() &&
+        multigrid.acoustic_cfl == traits.acoustic_cfl &&
+        multigrid.last <= multigrid.first + std::max(3u, multigrid.first / 4))
+      try
+        {
+          multigrid.last = run(2 * multigrid.first + 10);
+          return multigrid.last;
+        }
+      catch (const SolverControl::NoConvergence &)
+        {} // a new one may do better
+      catch (const LinearSolverFailure &)
+        {}
+    multigrid.preconditioner =
+      make_preconditioner(SolverKind::cg_ml, system, traits);
+    multigrid.pattern      = system.n_sparsity_builds();
+    multigrid.acoustic_cfl = traits.acoustic_cfl;
+    multigrid.first = multigrid.last = run(parameters.max_iterations);
+    return multigrid.last;
+  }
 
   template <int dim>
   unsigned int
-  LinearSolver<dim>::iterate(const SolverKind    kind,
-                             System<dim>        &system,
-                             const SystemTraits &traits,
-                             const Vector       &rhs,
-                             Vector             &x)
+  LinearSolver<dim>::iterate(const SolverKind      kind,
+                             const Preconditioner &preconditioner,
+                             const unsigned int    max_iterations,
+                             const System<dim>    &system,
+                             const Vector         &rhs,
+                             Vector               &x)
   {
-    const auto                           &matrix = system.matrix();
-    std::unique_ptr<const Preconditioner> preconditioner;
-    switch (kind)
-      {
-        case SolverKind::cg_jacobi:
-          preconditioner = make_node_block_jacobi(system, matrix);
-          break;
-        case SolverKind::cg_ml:
-          preconditioner = make_ml(system, matrix);
-          break;
-        case SolverKind::gmres_block:
-          preconditioner = make_block_ldlt(system, matrix, traits.has_solid);
-          break;
-        default:
-          preconditioner = make_jacobi(matrix);
-      }
-
+    const auto  &matrix     = system.matrix();
     const double target     = parameters.tolerance * rhs.l2_norm();
     unsigned int iterations = 0;
     Vector       residual(rhs), correction(rhs);
@@ -149,18 +203,18 @@ namespace selkie
     for (unsigned int round = 0; round < 4; ++round)
       {
         const double  size = residual.l2_norm();
-        SolverControl control(parameters.max_iterations,
+        SolverControl control(max_iterations,
                               std::max(0.5 * target, 1e-14 * size));
         correction = 0.;
         if (kind == SolverKind::minres_jacobi)
           {
             Vector scaled(residual);
-            preconditioner->vmult(scaled, residual);
+            preconditioner.vmult(scaled, residual);
             const double         norm = std::sqrt(std::abs(scaled * residual));
-            SolverControl        minres_control(parameters.max_iterations,
+            SolverControl        minres_control(max_iterations,
                                          0.3 * norm * target / size);
             SolverMinRes<Vector> solver(minres_control);
-            solver.solve(matrix, correction, residual, *preconditioner);
+            solver.solve(matrix, correction, residual, preconditioner);
             iterations += minres_control.last_step();
           }
         else if (kind == SolverKind::gmres_block)
@@ -169,13 +223,13 @@ namespace selkie
             data.max_n_tmp_vectors     = 62;
             data.right_preconditioning = true;
             SolverGMRES<Vector> solver(control, data);
-            solver.solve(matrix, correction, residual, *preconditioner);
+            solver.solve(matrix, correction, residual, preconditioner);
             iterations += control.last_step();
           }
         else
           {
             SolverCG<Vector> solver(control);
-            solver.solve(matrix, correction, residual, *preconditioner);
+            solver.solve(matrix, correction, residual, preconditioner);
             iterations += control.last_step();
           }
         x += correction;
@@ -188,29 +242,6 @@ namespace selkie
     throw LinearSolverFailure(
       "the true residual stays above the tolerance after " +
       std::to_string(iterations) + " iterations");
-  }
-
-  template <int dim>
-  void
-  LinearSolver<dim>::solve_directly(System<dim>  &system,
-                                    const Vector &rhs,
-                                    Vector       &x)
-  {
-    try
-      {
-        SolverControl                                  control(1, 0.);
-        TrilinosWrappers::SolverDirect::AdditionalData data(false,
-                                                            "Amesos_Mumps");
-        TrilinosWrappers::SolverDirect                 solver(control, data);
-        solver.solve(system.matrix(), x, rhs);
-      }
-    catch (const ExceptionBase &error)
-      {
-        throw LinearSolverFailure("the direct solver failed");
-      }
-    if (!std::isfinite(x.l2_norm()))
-      throw LinearSolverFailure("the direct solver returned numbers that are "
-                                "not finite: the system is singular");
   }
 
   template class LinearSolver<2>;

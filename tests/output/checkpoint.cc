@@ -1,11 +1,14 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/drivers/stepper.h>
 #include <selkie/output/audit.h>
 #include <selkie/output/checkpoint.h>
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 
+#include "../small_scenes.h"
 #include "../temporary_folder.h"
 #include "block.h"
 
@@ -40,6 +43,20 @@ namespace
                 1e-10 * of_a.mass);
   }
 
+  /// Numbers with all their digits in use, and the sign of zero.
+  template <int dim>
+  double
+  some_value(const dealii::Point<dim> &x)
+  {
+    return x[0] < 0.2 ? -0. : std::sin(1e3 * x[0]) / (0.1 + x[dim - 1]);
+  }
+
+  bool
+  same_bits(const double a, const double b)
+  {
+    return std::memcmp(&a, &b, sizeof(double)) == 0;
+  }
+
   /// Writes on all ranks and reads on all, and on each rank alone.
   template <int dim>
   void
@@ -48,15 +65,33 @@ namespace
     const TemporaryFolder folder(MPI_COMM_WORLD);
     Matter<dim>           matter(two_blocks<dim>());
     set_some_state(matter);
-    const std::string path = write_checkpoint(
-      folder.path, matter.scene, matter.particles, *matter.mesh, 0.1, 5, 0.01);
+    const NodeCloud<dim> cloud(*matter.mesh);
+    Vector               field(cloud.partitioner());
+    for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+      field.local_element(node) = some_value(cloud.position(node));
+    field.update_ghost_values();
+    const std::string path = write_checkpoint(folder.path,
+                                              matter.scene,
+                                              matter.particles,
+                                              *matter.mesh,
+                                              cloud.dof_handler(),
+                                              {{"some field", &field}},
+                                              0.1,
+                                              5,
+                                              0.01);
     EXPECT_EQ(last_good_checkpoint(folder.path), path);
 
     for (const MPI_Comm comm : {MPI_COMM_WORLD, MPI_COMM_SELF})
       {
-        Matter<dim> resumed(two_blocks<dim>(), comm, false);
-        const auto  state =
-          read_checkpoint(path, resumed.particles, *resumed.mesh);
+        Matter<dim>           resumed(two_blocks<dim>(), comm, false);
+        CheckpointFields<dim> fields;
+        const auto            state =
+          read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
+        const NodeCloud<dim> nodes(*resumed.mesh);
+        for (unsigned int node = 0; node < nodes.n_owned(); ++node)
+          EXPECT_TRUE(
+            same_bits(fields.values.at("some field")(nodes.global_index(node)),
+                      some_value(nodes.position(node))));
         EXPECT_EQ(state.time, 0.1);
         EXPECT_EQ(state.step, 5u);
         EXPECT_EQ(state.dt, 0.01);
@@ -77,11 +112,98 @@ TEST(CheckpointMPI, RoundTrip3D)
   check_round_trip<3>();
 }
 
+namespace
+{
+  /// Some steps of a scene; then all that its nodes keep comes back.
+  void
+  check_nodes_of_a_run(const std::string              &text,
+                       const std::vector<std::string> &overrides,
+                       const std::vector<std::string> &names)
+  {
+    const TemporaryFolder folder(MPI_COMM_WORLD);
+    Matter<2>             run(small_scenes::read<2>(text, overrides));
+    TimerTree             timers(MPI_COMM_WORLD);
+    NodeCloud<2>          cloud(*run.mesh);
+    Stepper<2>            stepper(
+      run.scene, run.particles, cloud, timers, [](const std::string &) {});
+    stepper.start(0., run.scene.time.step);
+    for (unsigned int n = 0; n < 2; ++n)
+      stepper.step(n * run.scene.time.step, run.scene.time.step);
+    const auto        kept = stepper.kept_fields();
+    const std::string path = write_checkpoint(folder.path,
+                                              run.scene,
+                                              run.particles,
+                                              *run.mesh,
+                                              cloud.dof_handler(),
+                                              kept,
+                                              0.,
+                                              2,
+                                              1.);
+
+    Matter<2>           resumed(run.scene, MPI_COMM_WORLD, false);
+    CheckpointFields<2> fields;
+    read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
+    EXPECT_EQ(fields.values.size(), names.size());
+    // The nodes may have other numbers: they are known by their places.
+    const NodeCloud<2>                                nodes(*resumed.mesh);
+    std::map<std::pair<double, double>, unsigned int> node_at;
+    for (unsigned int node = 0; node < nodes.n_owned(); ++node)
+      node_at[{nodes.position(node)[0], nodes.position(node)[1]}] = node;
+    for (const std::string &name : names)
+      {
+        double       largest = 0.;
+        unsigned int found   = 0;
+        for (unsigned int node = 0; node < cloud.size(); ++node)
+          {
+            const auto it =
+              node_at.find({cloud.position(node)[0], cloud.position(node)[1]});
+            if (it == node_at.end())
+              continue;
+            const double a = kept.at(name)->local_element(node);
+            const double b =
+              fields.values.at(name)(nodes.global_index(it->second));
+            EXPECT_TRUE(same_bits(a, b)) << name << ": " << a << ", " << b;
+            largest = std::max(largest, std::abs(a));
+            ++found;
+          }
+        EXPECT_EQ(dealii::Utilities::MPI::sum(found, MPI_COMM_WORLD),
+                  cloud.n_global());
+        EXPECT_GT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 0.)
+          << name;
+      }
+  }
+
+  const std::vector<std::string> nodal_state = {"displacement x",
+                                                "displacement y",
+                                                "velocity x",
+                                                "velocity y",
+                                                "acceleration x",
+                                                "acceleration y"};
+} // namespace
+
+TEST(CheckpointMPI, NodesOfALagrangianMesh)
+{
+  check_nodes_of_a_run(small_scenes::free_block(),
+                       {"Approximation=q4 fem",
+                        "Bodies/block/Initial velocity=8*(x-0.5); 6*x*y"},
+                       nodal_state);
+}
+
+TEST(CheckpointMPI, PressureOfTheNodes)
+{
+  auto names = nodal_state;
+  names.push_back("pressure");
+  check_nodes_of_a_run(small_scenes::fluid_on_solid(),
+                       {"Approximation=q4 fem", "Bodies/water/Jitter=0"},
+                       names);
+}
+
 TEST(CheckpointMPI, KeepsTheLastTwoAndTheRunGoesOn)
 {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   Matter<2>             matter(two_blocks<2>());
   set_some_state(matter);
+  const NodeCloud<2>   cloud(*matter.mesh);
   const auto           n = matter.particles.handler().n_global_particles();
   dealii::Tensor<1, 2> shift;
   shift[0] = 0.05;
@@ -91,6 +213,8 @@ TEST(CheckpointMPI, KeepsTheLastTwoAndTheRunGoesOn)
                        matter.scene,
                        matter.particles,
                        *matter.mesh,
+                       cloud.dof_handler(),
+                       {},
                        0.1 * step,
                        step,
                        0.1);
@@ -110,12 +234,21 @@ TEST(CheckpointMPI, RefusesAnotherScene)
   const TemporaryFolder folder(MPI_COMM_WORLD);
   EXPECT_THROW(last_good_checkpoint(folder.path), SceneError);
 
-  Matter<2>         matter(two_blocks<2>());
-  const std::string path = write_checkpoint(
-    folder.path, matter.scene, matter.particles, *matter.mesh, 0., 0, 0.1);
-  Scene<2> other = two_blocks<2>();
+  Matter<2>          matter(two_blocks<2>());
+  const NodeCloud<2> cloud(*matter.mesh);
+  const std::string  path  = write_checkpoint(folder.path,
+                                            matter.scene,
+                                            matter.particles,
+                                            *matter.mesh,
+                                            cloud.dof_handler(),
+                                            {},
+                                            0.,
+                                            0,
+                                            0.1);
+  Scene<2>           other = two_blocks<2>();
   other.inertia.reset();
-  Matter<2> resumed(other, MPI_COMM_WORLD, false);
-  EXPECT_THROW(read_checkpoint(path, resumed.particles, *resumed.mesh),
+  Matter<2>           resumed(other, MPI_COMM_WORLD, false);
+  CheckpointFields<2> fields;
+  EXPECT_THROW(read_checkpoint(path, resumed.particles, *resumed.mesh, fields),
                SceneError);
 }

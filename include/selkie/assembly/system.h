@@ -114,10 +114,10 @@ namespace selkie
       return tangent;
     }
 
-    dealii::types::global_dof_index
-    n_nonzeros() const
+    const dealii::TrilinosWrappers::SparseMatrix &
+    matrix() const
     {
-      return tangent.n_nonzero_elements();
+      return tangent;
     }
 
     /// Matrix column (Epetra's local index) of an unknown's local index.

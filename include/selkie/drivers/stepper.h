@@ -13,6 +13,7 @@
 #include <selkie/transfer/transfer.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -82,6 +83,11 @@ namespace selkie
     {
       return nodes.get();
     }
+
+    /// What the nodes keep from step to step, by name, numbered as the node
+    /// cloud is: it belongs in a checkpoint.
+    std::map<std::string, const Vector *>
+    kept_fields() const;
 
     const System<dim> &
     system() const

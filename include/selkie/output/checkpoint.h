@@ -1,7 +1,11 @@
 #pragma once
 
+#include <selkie/base/types.h>
 #include <selkie/particles/particle_set.h>
 
+#include <deal.II/dofs/dof_handler.h>
+
+#include <map>
 #include <string>
 
 namespace selkie
@@ -17,10 +21,13 @@ namespace selkie
 
   /**
    * Writes `directory`/checkpoint/NNN/, NNN being the step: the mesh with the
-   * material points, the handler's counters and checkpoint.json (the state,
-   * number and mass of the points, the columns that they carry). When all of
-   * it is on disk, `directory`/checkpoint/last_good is made to name it. The
-   * one that was last good before is kept, older ones are removed. Collective.
+   * material points and the nodes' fields, the handler's counters and
+   * checkpoint.json (the state, number and mass of the points, the columns that
+   * they carry, the names of the fields). When all of it is on disk,
+   * `directory`/checkpoint/last_good is made to name it. The one that was last
+   * good before is kept, older ones are removed. Collective.
+   * @param dofs of FE_Q(1): the numbering of the nodes
+   * @param nodal_fields what the nodes keep from step to step, with ghosts
    * @return the checkpoint's folder
    * @throw std::runtime_error, on all ranks, if it cannot be written.
    */
@@ -30,20 +37,31 @@ namespace selkie
                    const Scene<dim>                                  &scene,
                    ParticleSet<dim>                                  &particles,
                    dealii::parallel::distributed::Triangulation<dim> &mesh,
-                   const double                                       time,
-                   const unsigned int                                 step,
-                   const double                                       dt);
+                   const dealii::DoFHandler<dim>                     &dofs,
+                   const std::map<std::string, const Vector *> &nodal_fields,
+                   const double                                 time,
+                   const unsigned int                           step,
+                   const double                                 dt);
 
   /// The folder of the checkpoint that `directory`/checkpoint/last_good names.
   /// @throw SceneError if there is none.
   std::string
   last_good_checkpoint(const std::string &directory);
 
+  /// What the nodes kept, as read from a checkpoint.
+  template <int dim>
+  struct CheckpointFields
+  {
+    dealii::DoFHandler<dim>       dofs; ///< FE_Q(1) on the mesh as read
+    std::map<std::string, Vector> values;
+  };
+
   /**
-   * Takes mesh and material points from a checkpoint, on any number of ranks.
-   * The mesh is as make_background_mesh() gave it, the set has no points yet.
-   * What hangs on the mesh must be built afterwards. Collective.
+   * Takes mesh, material points and the nodes' fields from a checkpoint, on any
+   * number of ranks. The mesh is as make_background_mesh() gave it, the set has
+   * no points yet. What hangs on the mesh must be built afterwards. Collective.
    * @param folder of the checkpoint
+   * @param nodal_fields filled, to the bit as they were written
    * @throw SceneError, on all ranks, if it is unreadable, or if its points do
    * not carry the columns that the scene asks for.
    */
@@ -51,5 +69,6 @@ namespace selkie
   CheckpointState
   read_checkpoint(const std::string                                 &folder,
                   ParticleSet<dim>                                  &particles,
-                  dealii::parallel::distributed::Triangulation<dim> &mesh);
+                  dealii::parallel::distributed::Triangulation<dim> &mesh,
+                  CheckpointFields<dim> &nodal_fields);
 } // namespace selkie

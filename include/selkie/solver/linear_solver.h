@@ -3,6 +3,8 @@
 #include <selkie/assembly/system.h>
 #include <selkie/base/types.h>
 #include <selkie/scene/scene.h>
+#include <selkie/solver/direct_solver.h>
+#include <selkie/solver/preconditioner.h>
 
 #include <functional>
 #include <string>
@@ -28,10 +30,11 @@ namespace selkie
   /**
    * The linear solvers, after the measurements of solver.md: conjugate
    * gradients for solids, with node-block Jacobi below acoustic CFL 10 and ML
-   * (rigid-body modes) above; for mixed systems MINRES with Jacobi while they
-   * are symmetric, small and soft, else GMRES with the block LDL^T
-   * preconditioner. Convergence is judged by the true residual. On breakdown,
-   * stagnation or NaN the direct solver (MUMPS) takes over, and says so.
+   * (rigid-body modes; set up anew only when it pays) above; for mixed systems
+   * MINRES with Jacobi while they are symmetric, small and soft, else GMRES
+   * with the block LDL^T preconditioner. Convergence is judged by the true
+   * residual. On breakdown, stagnation or NaN the direct solver (MUMPS) takes
+   * over, and says so.
    */
   template <int dim>
   class LinearSolver
@@ -55,16 +58,31 @@ namespace selkie
 
   private:
     unsigned int
-    iterate(const SolverKind    kind,
-            System<dim>        &system,
-            const SystemTraits &traits,
-            const Vector       &rhs,
-            Vector             &x);
-    void
-    solve_directly(System<dim> &system, const Vector &rhs, Vector &x);
+    iterate_with_multigrid(System<dim>        &system,
+                           const SystemTraits &traits,
+                           const Vector       &rhs,
+                           Vector             &x);
+    unsigned int
+    iterate(const SolverKind      kind,
+            const Preconditioner &preconditioner,
+            const unsigned int    max_iterations,
+            const System<dim>    &system,
+            const Vector         &rhs,
+            Vector               &x);
+
+    /// ML of the present or an earlier matrix of the same pattern.
+    struct Multigrid
+    {
+      std::unique_ptr<const Preconditioner> preconditioner;
+      unsigned int                          pattern      = 0;
+      double                                acoustic_cfl = 0;
+      unsigned int                          first = 0, last = 0; ///< iterations
+    };
 
     const LinearSolverParameters                   parameters;
     const std::function<void(const std::string &)> log;
+    DirectSolver                                   direct;
+    Multigrid                                      multigrid;
   };
 
   std::string
