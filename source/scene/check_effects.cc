@@ -190,6 +190,16 @@ namespace selkie
           const std::string path = "Probes/" + probe.name + "/";
           if (probe.kind == Kind::region && !probe.shape)
             fail(scene, path + "Shape", "a region probe needs a shape");
+          if (probe.kind == Kind::error && !probe.function)
+            fail(scene,
+                 path + "Function",
+                 "an error probe needs the function that is compared with");
+          if (probe.kind == Kind::error && !scene.inertia &&
+              probe.quantity == Probe<dim>::Quantity::velocity)
+            fail(scene,
+                 path + "Quantity",
+                 "a scene without the effect 'inertia' has no velocity; "
+                 "allowed is only 'displacement'");
           if (probe.kind == Kind::node && !scene.lagrangian_mesh())
             fail(scene,
                  path + "Kind",

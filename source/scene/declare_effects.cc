@@ -155,8 +155,9 @@ namespace selkie
                   const std::string &name,
                   Probe<dim>        &probe)
     {
-      using Kind = typename Probe<dim>::Kind;
-      probe.name = name;
+      using Kind     = typename Probe<dim>::Kind;
+      using Quantity = typename Probe<dim>::Quantity;
+      probe.name     = name;
       prm.enter_subsection(name);
       add_choice(
         prm,
@@ -167,14 +168,17 @@ namespace selkie
          {"region", Kind::region},
          {"wall force", Kind::wall_force},
          {"front", Kind::front},
-         {"extent", Kind::extent}},
+         {"extent", Kind::extent},
+         {"error", Kind::error}},
         "`point` is the mean of the material points that start within "
         "Radius of Position, `node` the node of a finite element mesh "
         "(`q4 fem`) that starts nearest to Position, `region` of those that start in Shape, "
         "`wall force` the reaction of Wall, `front` the largest "
         "coordinate along Axis that Body reaches, `extent` the "
         "smallest and largest coordinates, volume and centroid of "
-        "Body. Units: none.");
+        "Body, `error` how far Body's Quantity is from Function: the norm "
+        "over the body's points, weighted with their reference volumes, and "
+        "the largest. Units: none.");
       prm.add_parameter("Position",
                         probe.position,
                         "For `point` and `node`. Units: m.");
@@ -198,8 +202,8 @@ namespace selkie
                 probe.body,
                 names.bodies,
                 "body",
-                "For `front` and `extent`; the default is the first one. "
-                "Units: none.");
+                "For `front`, `extent` and `error`; the default is the first "
+                "one. Units: none.");
       add_choice<unsigned int>(
         prm,
         "Axis",
@@ -210,6 +214,18 @@ namespace selkie
                                                                      {"y", 1},
                                                                      {"z", 2}},
         "For `front`. Units: none.");
+      add_choice(prm,
+                 "Quantity",
+                 probe.quantity,
+                 {{"displacement", Quantity::displacement},
+                  {"velocity", Quantity::velocity}},
+                 "For `error`. Units: none.");
+      add_function(prm,
+                   "Function",
+                   probe.function,
+                   "For `error`, what Quantity should be: one function of X, "
+                   "Y, Z, x, y, z, t per component, separated by semicolons. "
+                   "Units: m or m/s.");
       prm.leave_subsection();
     }
 

@@ -369,12 +369,13 @@ def ranks(selkie, folder, what):
               error[name], 1e-8)
 
 
-def main():
-    if len(sys.argv) < 3 or sys.argv[1] not in globals():
+def main(cases):
+    if len(sys.argv) < 3 or sys.argv[1] not in cases:
         sys.exit(__doc__)
     with tempfile.TemporaryDirectory(prefix="selkie-scene-") as folder:
-        globals()[sys.argv[1]](sys.argv[2], pathlib.Path(folder), *sys.argv[3:])
+        cases[sys.argv[1]](sys.argv[2], pathlib.Path(folder), *sys.argv[3:])
     sys.exit(1 if failures else 0)
 
 
-main()
+if __name__ == "__main__":
+    main(globals())
