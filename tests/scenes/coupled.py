@@ -78,7 +78,7 @@ def last(folder, probe):
 
 
 def two_solids(selkie, folder):
-    """16 elements high: second order, (1/16)^2 of strains of 20 % is 1e-3."""
+    """16 elements high: second order, (1/16)^2 of strains of 30 % is 1e-3."""
     g = 10.
     layers = [(0.5, 1000., solid(1e5, 0.3)), (0.5, 2000., solid(2e4, 0.3))]
     s = run(selkie, HERE / "coupled_column.prm", folder)

@@ -93,7 +93,7 @@ def sweep(selkie, folder, path):
 def causes(selkie, folder, path):
     """What the error of LME-MPM consists of: one thing changed at a time."""
     series = {}
-    for gamma, n in ((3, 2), (1.8, 3)):
+    for gamma, n in ((3, 2), (1.8, 2)):
         name, base = f"LME-MPM {gamma}, {n}x{n}", points(gamma, n)
         series[name] = ("lme mpm", base)
         series[name + ", half the step"] = ("lme mpm", base, 0.05, 8)
