@@ -391,12 +391,13 @@ namespace selkie
   void
   Stepper<dim>::start(const double t, const double dt)
   {
-    const StepTime time{t, newmark(dt)};
+    const StepTime time{t - dt, newmark(dt)};
     build_supports(t, dt);
     if (!scene.inertia)
       return;
-    // The residual of the state at t_n itself: fields for which Newmark's
-    // formulas at du = 0 give no acceleration and the velocity v_n.
+    // The residual of the state at t itself: a step that ends there, and fields
+    // for which Newmark's formulas at du = 0 give no acceleration and the
+    // velocity v_n.
     const Newmark &n         = time.newmark;
     const double   a_per_v   = n.alpha3 != 0. ? -n.alpha2 / n.alpha3 : 0.;
     const double   v_divisor = n.alpha5 + n.alpha6 * a_per_v;

@@ -110,6 +110,7 @@ namespace selkie
           return columns.body(properties) == probe.body;
         case Kind::node:
         case Kind::wall_force:
+        case Kind::error:
           return false;
       }
     return false;
@@ -240,6 +241,45 @@ namespace selkie
 
   template <int dim>
   void
+  Probes<dim>::set_error(const Probe<dim> &probe,
+                         const double      time,
+                         Statistics       &table) const
+  {
+    const bool  of_velocity = probe.quantity == Probe<dim>::Quantity::velocity;
+    const auto &columns     = particles.columns;
+    std::array<double, 3> sums{}; // of volume, squared error, squared function
+    double                largest = 0.;
+    for (const auto &point : particles.handler())
+      {
+        const auto properties = point.get_properties();
+        if (columns.body(properties) != probe.body)
+          continue;
+        const auto                   x = point.get_location();
+        const dealii::Point<dim>     X(columns.X(properties));
+        const dealii::Tensor<1, dim> value =
+          of_velocity ? columns.v(properties) : x - X;
+        const auto   exact  = probe.function->value(x, time, X);
+        const double V      = columns.volume(properties);
+        const double square = (value - exact).norm_square();
+        sums[0] += V;
+        sums[1] += V * square;
+        sums[2] += V * exact.norm_square();
+        largest = std::max(largest, std::sqrt(square));
+      }
+    const MPI_Comm comm = particles.communicator();
+    for (double &sum : sums)
+      sum = dealii::Utilities::MPI::sum(sum, comm);
+    largest = dealii::Utilities::MPI::max(largest, comm);
+
+    const std::string unit = of_velocity ? " (m/s)" : " (m)";
+    table.set("L2 error" + unit, std::sqrt(sums[1] / sums[0]));
+    table.set("largest error" + unit, largest);
+    table.set("L2 norm of the function" + unit, std::sqrt(sums[2] / sums[0]));
+  }
+
+
+  template <int dim>
+  void
   Probes<dim>::record(const double           time,
                       const WallForces<dim> &walls,
                       const NodeMotion<dim> &nodes)
@@ -277,6 +317,9 @@ namespace selkie
               break;
             case Kind::extent:
               set_extent(sums[c], table);
+              break;
+            case Kind::error:
+              set_error(probe, time, table);
               break;
           }
         table.end_row();

@@ -20,8 +20,9 @@ namespace selkie
                   const std::string &name,
                   Probe<dim>        &probe)
     {
-      using Kind = typename Probe<dim>::Kind;
-      probe.name = name;
+      using Kind     = typename Probe<dim>::Kind;
+      using Quantity = typename Probe<dim>::Quantity;
+      probe.name     = name;
       prm.enter_subsection(name);
       add_choice(
         prm,
@@ -32,14 +33,17 @@ namespace selkie
          {"region", Kind::region},
          {"wall force", Kind::wall_force},
          {"front", Kind::front},
-         {"extent", Kind::extent}},
+         {"extent", Kind::extent},
+         {"error", Kind::error}},
         "`point` is the mean of the material points that start within "
         "Radius of Position, `node` the node of a finite element mesh "
         "(`q4 fem`) that starts nearest to Position, `region` of those that start in Shape, "
         "`wall force` the reaction of Wall, `front` the largest "
         "coordinate along Axis that Body reaches, `extent` the "
         "smallest and largest coordinates, volume and centroid of "
-        "Body. Units: none.");
+        "Body, `error` how far Body's Quantity is from Function: the norm "
+        "over the body's points, weighted with their reference volumes, and "
+        "the largest. Units: none.");
       prm.add_parameter("Position",
                         probe.position,
                         "For `point` and `node`. Units: m.");
@@ -63,8 +67,8 @@ namespace selkie
                 probe.body,
                 names.bodies,
                 "body",
-                "For `front` and `extent`; the default is the first one. "
-                "Units: none.");
+                "For `front`, `extent` and `error`; the default is the first "
+                "one. Units: none.");
       add_choice<unsigned int>(
         prm,
         "Axis",
@@ -75,6 +79,18 @@ namespace selkie
                                                                      {"y", 1},
                                                                      {"z", 2}},
         "For `front`. Units: none.");
+      add_choice(prm,
+                 "Quantity",
+                 probe.quantity,
+                 {{"displacement", Quantity::displacement},
+                  {"velocity", Quantity::velocity}},
+                 "For `error`. Units: none.");
+      add_function(prm,
+                   "Function",
+                   probe.function,
+                   "For `error`, what Quantity should be: one function of X, "
+                   "Y, Z, x, y, z, t per component, separated by semicolons. "
+                   "Units: m or m/s.");
       prm.leave_subsection();
     }
 
@@ -118,6 +134,16 @@ namespace selkie
             const std::string path = "Probes/" + probe.name + "/";
             if (probe.kind == Kind::region && !probe.shape)
               fail(scene, path + "Shape", "a region probe needs a shape");
+            if (probe.kind == Kind::error && !probe.function)
+              fail(scene,
+                   path + "Function",
+                   "an error probe needs the function that is compared with");
+            if (probe.kind == Kind::error && !scene.inertia &&
+                probe.quantity == Probe<dim>::Quantity::velocity)
+              fail(scene,
+                   path + "Quantity",
+                   "a scene without the effect 'inertia' has no velocity; "
+                   "allowed is only 'displacement'");
             if (probe.kind == Kind::node && !scene.lagrangian_mesh())
               fail(scene,
                    path + "Kind",
@@ -137,7 +163,8 @@ namespace selkie
       {
         using Kind        = typename Probe<dim>::Kind;
         const auto starts = [](const Probe<dim> &probe) {
-          return probe.kind == Kind::point || probe.kind == Kind::region;
+          return probe.kind == Kind::point || probe.kind == Kind::region ||
+                 probe.kind == Kind::error;
         };
         if (std::any_of(scene.probes.begin(), scene.probes.end(), starts))
           fields.add<Tensor<1, dim>>("reference position", "m", true);

@@ -23,9 +23,12 @@ namespace
       , timers(MPI_COMM_WORLD)
     {
       particles.seed();
-      cloud   = std::make_unique<NodeCloud<2>>(*mesh,
-                                             scene.lme.gamma,
-                                             scene.lme.support_tolerance);
+      if (scene.approximation == Approximation::lme_mpm)
+        cloud = std::make_unique<NodeCloud<2>>(*mesh,
+                                               scene.lme.gamma,
+                                               scene.lme.support_tolerance);
+      else
+        cloud = std::make_unique<NodeCloud<2>>(*mesh);
       stepper = std::make_unique<Stepper<2>>(
         scene, particles, *cloud, timers, [](const std::string &) {});
       stepper->start(0., scene.time.step);
@@ -65,16 +68,50 @@ TEST(Stepper, NewtonIsQuadraticForASolid)
   EXPECT_GT(observed_order(report.newton.errors), 1.8);
 }
 
+TEST(Stepper, NewtonIsQuadraticForFiniteElements)
+{
+  // The same, and with the mean dilatation of a nearly incompressible solid.
+  for (const std::string cure : {"", ", mean dilatation"})
+    {
+      Scenario   run(small_scenes::free_block(),
+                   {"Approximation=q4 fem",
+                      "Effects=inertia" + cure,
+                      "Bodies/block/Law parameters/Poisson ratio=" +
+                        std::string(cure.empty() ? "0.3" : "0.49"),
+                      "Bodies/block/Initial velocity=8*(x-0.5); 6*x*y",
+                      "Newton/Tolerance=1e-12",
+                      "Linear solver/Solver=direct",
+                      "Time/Step=2e-2"});
+      const auto report = run.stepper->step(0., 2e-2);
+      ASSERT_GE(report.newton.errors.size(), 4u);
+      EXPECT_GT(observed_order(report.newton.errors), 1.8) << cure;
+    }
+}
+
 TEST(Stepper, NewtonIsQuadraticForFluidAndSolid)
 {
-  Scenario   run(small_scenes::fluid_on_solid(),
-               {"Newton/Tolerance=1e-12",
-                  "Linear solver/Solver=direct",
-                  "Bodies/water/Initial velocity=8*y*x; 6*x",
-                  "Bodies/bed/Initial velocity=8*y*x; 6*x"});
-  const auto report = run.stepper->step(0., 5e-3);
-  ASSERT_GE(report.newton.errors.size(), 4u);
-  EXPECT_GT(observed_order(report.newton.errors), 1.8);
+  for (const std::string approximation : {"lme mpm", "q4 fem"})
+    {
+      Scenario   run(small_scenes::fluid_on_solid(),
+                   {"Approximation=" + approximation,
+                      "Newton/Tolerance=1e-12",
+                      "Linear solver/Solver=direct",
+                      "Bodies/water/Initial velocity=8*y*x; 6*x",
+                      "Bodies/bed/Initial velocity=8*y*x; 6*x"});
+      const auto report = run.stepper->step(0., 5e-3);
+      ASSERT_GE(report.newton.errors.size(), 4u);
+      EXPECT_GT(observed_order(report.newton.errors), 1.8) << approximation;
+    }
+}
+
+TEST(Stepper, StartsWithTheAccelerationOfTheLoadsAtTheStart)
+{
+  Scenario run(small_scenes::free_block(),
+               {"Effects=inertia, body force",
+                "Bodies/block/Initial velocity=0; 0",
+                "Body force/Acceleration=3 + 1000*t; 0"});
+  for (const auto &point : run.particles.handler())
+    EXPECT_NEAR(run.particles.columns.a(point.get_properties())[0], 3., 1e-12);
 }
 
 TEST(Stepper, AFailedStepLeavesNoTrace)

@@ -39,7 +39,7 @@ namespace
   {
     using Kind     = Probe<2>::Kind;
     Scene<2> scene = two_blocks<2>();
-    scene.probes.resize(6);
+    scene.probes.resize(8);
     scene.probes[0].name     = "nearest";
     scene.probes[0].position = dealii::Point<2>(0.25, 0.5);
     scene.probes[1].name     = "around";
@@ -57,6 +57,15 @@ namespace
     scene.probes[5].name     = "extent";
     scene.probes[5].kind     = Kind::extent;
     scene.probes[5].body     = 0;
+    scene.probes[6].name     = "displacement error";
+    scene.probes[6].kind     = Kind::error;
+    scene.probes[6].function =
+      std::make_shared<VectorExpression<2>>("X; 0.06*t - 0.1");
+    scene.probes[7].name     = "velocity error";
+    scene.probes[7].kind     = Kind::error;
+    scene.probes[7].body     = 1;
+    scene.probes[7].quantity = Probe<2>::Quantity::velocity;
+    scene.probes[7].function = std::make_shared<VectorExpression<2>>("2; 3");
     return scene;
   }
 } // namespace
@@ -110,6 +119,21 @@ TEST(ProbesMPI, AllKindsFollowATranslation)
   EXPECT_NEAR(extent["min y (m)"], 0.25 + 1. / 32 - 0.07, 1e-14);
   EXPECT_NEAR(extent["max y (m)"], 0.75 - 1. / 32 - 0.07, 1e-14);
   EXPECT_NEAR(extent["semi-axis x (m)"], 2 * std::sqrt(15. / 12) / 16, 1e-12);
+
+  // X has the mean 3/8 and the variance 5/4 / 16^2 over the body's four columns
+  // of points; the second component is right.
+  auto error = row("displacement error");
+  EXPECT_NEAR(error["L2 error (m)"],
+              std::sqrt(5. / 4 / 256 + std::pow(0.375 - 0.11, 2)),
+              1e-14);
+  EXPECT_NEAR(error["largest error (m)"], 0.5 - 1. / 32 - 0.11, 1e-14);
+  EXPECT_NEAR(error["L2 norm of the function (m)"],
+              std::sqrt(5. / 4 / 256 + std::pow(0.375, 2) + std::pow(0.07, 2)),
+              1e-14);
+  error = row("velocity error");
+  EXPECT_NEAR(error["L2 error (m/s)"], 3., 1e-14);
+  EXPECT_NEAR(error["largest error (m/s)"], 3., 1e-14);
+  EXPECT_NEAR(error["L2 norm of the function (m/s)"], std::sqrt(13.), 1e-14);
 }
 
 TEST(ProbesMPI, EmptyRegionIsAnErrorOfTheScene)

@@ -24,6 +24,10 @@ namespace selkie
    * - `extent`: smallest and largest coordinates of a body's points, its
    *   volume, centre of mass, and along each axis the semi-axis of the
    *   homogeneous ellipse (ellipsoid) of the same second moment.
+   * - `error`: how far displacement or velocity of a body's points are from a
+   *   function of X and t: L2 norm of the difference, largest difference, L2
+   *   norm of the function. The norms are root mean squares weighted with the
+   *   points' reference volumes: L2 over the body, over sqrt(its volume).
    *
    * Points are found anew by their reference position at each record: nothing
    * has to follow them through migration or a restart.
@@ -97,6 +101,11 @@ namespace selkie
     set_node(const Probe<dim>      &probe,
              const NodeMotion<dim> &nodes,
              Statistics            &table) const;
+
+    void
+    set_error(const Probe<dim> &probe,
+              const double      time,
+              Statistics       &table) const;
 
     void
     set_means(const Sums &sums, Statistics &table) const;

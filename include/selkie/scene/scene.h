@@ -209,7 +209,13 @@ namespace selkie
       region, ///< mean of the points that were inside `shape` at the start
       wall_force, ///< reaction on wall `wall`, N (N/m in 2D)
       front,      ///< largest coordinate `axis` reached by body `body`, m
-      extent      ///< min, max of body's coordinates and its volume, centroid
+      extent,     ///< min, max of body's coordinates and its volume, centroid
+      error       ///< of body's `quantity` against `function`
+    };
+    enum class Quantity
+    {
+      displacement, ///< m
+      velocity      ///< m/s
     };
     std::string                       name;
     Kind                              kind = Kind::point;
@@ -219,6 +225,9 @@ namespace selkie
     unsigned int                      wall = 0;
     unsigned int                      body = 0;
     unsigned int                      axis = 0;
+
+    Quantity                               quantity = Quantity::displacement;
+    std::shared_ptr<VectorExpression<dim>> function; ///< exact, of X, t
   };
 
   struct OutputParameters
