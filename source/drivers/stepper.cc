@@ -494,11 +494,11 @@ namespace selkie
     const SystemTraits what = traits(newmark(dt));
     std::ostringstream out;
     out.precision(3);
-    out << to_string(linear_solver.choose(unknowns, what)) << " for "
-        << unknowns.n_global() << " unknowns ("
-        << (what.mixed ? "displacements and pressures" : "displacements")
-        << ", " << (what.symmetric ? "symmetric" : "unsymmetric")
-        << ", acoustic CFL " << what.acoustic_cfl << ")";
+    const SolverChoice choice = linear_solver.choose(unknowns, what);
+    out << to_string(choice.kind) << " for " << unknowns.n_global()
+        << " unknowns: " << choice.reason << " ("
+        << (what.symmetric ? "symmetric" : "unsymmetric") << ", acoustic CFL "
+        << what.acoustic_cfl << ")";
     return out.str();
   }
 

@@ -1,37 +1,77 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/solver/direct_solver.h>
 
-#include <Amesos.h>
+#include <Amesos_Mumps.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_LinearProblem.h>
 #include <Epetra_Vector.h>
 #include <Teuchos_ParameterList.hpp>
 
-#include <cmath>
-
 namespace selkie
 {
-  struct DirectSolver::Analysis
+  /// MUMPS with the problem that it refers to.
+  class DirectSolver::Factors
   {
-    Analysis(const Epetra_CrsMatrix &K,
-             const unsigned int      pattern,
-             const bool              symmetric)
-      : pattern(pattern)
+  public:
+    Factors(const Epetra_CrsMatrix &K,
+            const unsigned int      pattern,
+            const bool              symmetric,
+            const int               room)
+      : matrix(K)
+      , pattern(pattern)
       , symmetric(symmetric)
+      , room(room)
+      , mumps(problem)
     {
       problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&K));
-      solver.reset(Amesos().Create("Amesos_Mumps", problem));
       Teuchos::ParameterList list;
+      list.set("OutputLevel", 0);
       list.set("MatrixProperty", symmetric ? "symmetric" : "general");
-      solver->SetParameters(list);
-      failed = solver->SymbolicFactorization() != 0;
+      mumps.SetParameters(list);
+      constexpr int relaxation_of_room = 14; // ICNTL(14)
+      mumps.SetICNTL(relaxation_of_room, room);
+      mumps.SymbolicFactorization();
     }
 
-    const unsigned int                 pattern;
-    const bool                         symmetric;
-    bool                               failed;
-    Epetra_LinearProblem               problem;
-    std::unique_ptr<Amesos_BaseSolver> solver;
+    /// @return MUMPS's INFOG(1), negative on failure; alike on all ranks.
+    int
+    factorise()
+    {
+      if (error() >= 0)
+        mumps.NumericFactorization();
+      return error();
+    }
+
+    int
+    solve(Vector &x, const Vector &b)
+    {
+      const auto view = [](const Epetra_Map &map, const Vector &vector) {
+        return Epetra_Vector(View, map, const_cast<double *>(vector.begin()));
+      };
+      auto solution = view(matrix.OperatorDomainMap(), x);
+      auto rhs      = view(matrix.OperatorRangeMap(), b);
+      problem.SetLHS(&solution);
+      problem.SetRHS(&rhs);
+      mumps.Solve();
+      problem.SetLHS(nullptr);
+      problem.SetRHS(nullptr);
+      return error();
+    }
+
+    const Epetra_CrsMatrix &matrix;
+    const unsigned int      pattern;
+    const bool              symmetric;
+    const int               room;
+
+  private:
+    int
+    error()
+    {
+      return mumps.GetINFOG()[0];
+    }
+
+    Epetra_LinearProblem problem;
+    Amesos_Mumps         mumps;
   };
 
   DirectSolver::DirectSolver() = default;
@@ -39,28 +79,41 @@ namespace selkie
   DirectSolver::~DirectSolver() = default;
 
   void
-  DirectSolver::solve(const Epetra_CrsMatrix &K,
-                      const unsigned int      pattern,
-                      const bool              symmetric,
-                      const Vector           &rhs,
-                      Vector                 &x)
+  DirectSolver::factorise(const Epetra_CrsMatrix &K,
+                          const unsigned int      pattern,
+                          const bool              symmetric,
+                          const int               room)
   {
-    if (!analysis || analysis->pattern != pattern ||
-        analysis->symmetric != symmetric)
-      analysis = std::make_unique<Analysis>(K, pattern, symmetric);
+    if (!factors || &factors->matrix != &K || factors->pattern != pattern ||
+        factors->symmetric != symmetric)
+      factors = std::make_unique<Factors>(K, pattern, symmetric, room);
 
-    Epetra_Vector b(View, K.RangeMap(), const_cast<double *>(rhs.begin()));
-    Epetra_Vector solution(View, K.DomainMap(), x.begin());
-    analysis->problem.SetLHS(&solution);
-    analysis->problem.SetRHS(&b);
-    if (analysis->failed || analysis->solver->NumericFactorization() != 0 ||
-        analysis->solver->Solve() != 0)
+    const auto too_little_room = [](const int error) {
+      return error == -8 || error == -9; // for integers, for reals
+    };
+    constexpr int most_room = 5000; // percent
+    int           error     = factors->factorise();
+    while (too_little_room(error) && factors->room < most_room)
       {
-        analysis.reset();
-        throw LinearSolverFailure("the direct solver failed");
+        const int more = 2 * (100 + factors->room) - 100;
+        factors = std::make_unique<Factors>(K, pattern, symmetric, more);
+        error   = factors->factorise();
       }
-    if (!std::isfinite(x.l2_norm()))
-      throw LinearSolverFailure("the direct solver returned numbers that are "
-                                "not finite: the system is singular");
+    if (error >= 0) // above zero: a warning
+      return;
+    factors.reset();
+    throw LinearSolverFailure("MUMPS cannot factorise the matrix (its error " +
+                              std::to_string(error) +
+                              (error == -10 ? ": it is singular)" : ")"));
+  }
+
+  void
+  DirectSolver::vmult(Vector &x, const Vector &b)
+  {
+    const int error = factors->solve(x, b);
+    if (error < 0)
+      throw LinearSolverFailure("MUMPS cannot solve with its factors (its "
+                                "error " +
+                                std::to_string(error) + ")");
   }
 } // namespace selkie

@@ -7,6 +7,7 @@
 #include <deal.II/lac/solver_minres.h>
 
 #include <cmath>
+#include <sstream>
 
 namespace selkie
 {
@@ -41,24 +42,35 @@ namespace selkie
   {}
 
   template <int dim>
-  SolverKind
+  SolverChoice
   LinearSolver<dim>::choose(const System<dim>  &system,
                             const SystemTraits &traits) const
   {
     if (parameters.kind != SolverKind::automatic)
-      return parameters.kind;
+      return {parameters.kind, "the scene says so"};
     const auto n = system.n_global();
     if (!traits.mixed)
-      return n < 200                     ? SolverKind::direct
-             : traits.acoustic_cfl < 10. ? SolverKind::cg_jacobi
-                                         : SolverKind::cg_ml;
+      return n < 200 ? SolverChoice{SolverKind::direct,
+                                    "fewer than 200 unknowns"} :
+             traits.acoustic_cfl < 10. ?
+                       SolverChoice{SolverKind::cg_jacobi,
+                                    "symmetric, acoustic CFL below 10"} :
+                       SolverChoice{SolverKind::cg_ml,
+                                    "symmetric, acoustic CFL of 10 or more"};
     // Mixed systems need hundreds of MINRES iterations once water splashes:
     // up to this size a factorisation is cheaper. In 3D it fills in more.
-    if (n < parameters.direct_below / (dim == 2 ? 1 : 4))
-      return SolverKind::direct;
-    const bool soft = !traits.has_solid || traits.acoustic_cfl < 20.;
-    return traits.symmetric && soft ? SolverKind::minres_jacobi
-                                    : SolverKind::gmres_block;
+    const unsigned int direct_below =
+      parameters.direct_below / (dim == 2 ? 1 : 4);
+    if (n < direct_below)
+      return {SolverKind::direct,
+              "mixed, fewer than " + std::to_string(direct_below) +
+                " unknowns"};
+    if (!traits.symmetric)
+      return {SolverKind::gmres_block, "mixed, viscosity makes it unsymmetric"};
+    if (traits.has_solid && traits.acoustic_cfl >= 20.)
+      return {SolverKind::gmres_block,
+              "mixed, with a stiff solid (acoustic CFL of 20 or more)"};
+    return {SolverKind::minres_jacobi, "mixed, symmetric and soft"};
   }
 
   namespace
@@ -82,18 +94,6 @@ namespace selkie
             return make_jacobi(matrix);
         }
     }
-
-    /// |rhs - K x|, of which the iterative solvers see only an estimate.
-    double
-    true_residual(const TrilinosWrappers::SparseMatrix &matrix,
-                  const Vector                         &rhs,
-                  const Vector                         &x,
-                  Vector                               &work)
-    {
-      matrix.vmult(work, x);
-      work.sadd(-1., 1., rhs);
-      return work.l2_norm();
-    }
   } // namespace
 
   template <int dim>
@@ -103,62 +103,75 @@ namespace selkie
                            const Vector       &rhs,
                            Vector             &x)
   {
-    LinearSolveReport report;
-    const SolverKind  kind = choose(system, traits);
-    report.solver          = to_string(kind);
-    if (kind != SolverKind::direct)
+    const SolverKind kind = choose(system, traits).kind;
+    if (kind == SolverKind::direct)
+      return solve_by(kind, system, traits, rhs, x);
+    try
       {
-        std::string reason;
-        try
-          {
-            report.iterations =
-              kind == SolverKind::cg_ml
-                ? iterate_with_multigrid(system, traits, rhs, x)
-                : iterate(kind,
-                          *make_preconditioner(kind, system, traits),
-                          parameters.max_iterations,
-                          system,
-                          rhs,
-                          x);
-            return report;
-          }
-        catch (const SolverControl::NoConvergence &error)
-          {
-            reason = "no convergence in " + std::to_string(error.last_step) +
-                     " iterations";
-          }
-        catch (const LinearSolverFailure &error)
-          {
-            reason = error.what();
-          }
-        report.fell_back = true;
-        report.solver    = to_string(SolverKind::direct);
-        log(to_string(kind) + ": " + reason + "; the direct solver takes over");
+        return solve_by(kind, system, traits, rhs, x);
       }
-    direct.solve(system.matrix().trilinos_matrix(),
-                 system.n_sparsity_builds(),
-                 traits.symmetric && !traits.mixed,
-                 rhs,
-                 x);
+    catch (const LinearSolverFailure &failure)
+      {
+        log(failure.what() + std::string("; the direct solver takes over"));
+      }
+    auto report      = solve_by(SolverKind::direct, system, traits, rhs, x);
+    report.fell_back = true;
     return report;
+  }
+
+  template <int dim>
+  LinearSolveReport
+  LinearSolver<dim>::solve_by(const SolverKind    kind,
+                              System<dim>        &system,
+                              const SystemTraits &traits,
+                              const Vector       &rhs,
+                              Vector             &x)
+  {
+    if (kind == SolverKind::cg_ml)
+      return solve_with_multigrid(system, traits, rhs, x);
+    if (kind != SolverKind::direct)
+      return refine(kind,
+                    krylov(kind,
+                           *make_preconditioner(kind, system, traits),
+                           parameters.max_iterations,
+                           system),
+                    system,
+                    rhs,
+                    x);
+    direct.factorise(system.matrix().trilinos_matrix(),
+                     system.n_sparsity_builds(),
+                     traits.symmetric && !traits.mixed);
+    return refine(
+      kind,
+      [this](Vector &correction, const Vector &residual, const double) {
+        direct.vmult(correction, residual);
+        return 0u;
+      },
+      system,
+      rhs,
+      x);
   }
 
   /// Setting ML up costs as much as some ten iterations: that of an earlier
   /// matrix serves until it needs clearly more of them than it did at first.
   template <int dim>
-  unsigned int
-  LinearSolver<dim>::iterate_with_multigrid(System<dim>        &system,
-                                            const SystemTraits &traits,
-                                            const Vector       &rhs,
-                                            Vector             &x)
+  LinearSolveReport
+  LinearSolver<dim>::solve_with_multigrid(System<dim>        &system,
+                                          const SystemTraits &traits,
+                                          const Vector       &rhs,
+                                          Vector             &x)
   {
     const auto run = [&](const unsigned int max_iterations) {
-      return iterate(SolverKind::cg_ml,
-                     *multigrid.preconditioner,
-                     max_iterations,
-                     system,
-                     rhs,
-                     x);
+      const auto report = refine(SolverKind::cg_ml,
+                                 krylov(SolverKind::cg_ml,
+                                        *multigrid.preconditioner,
+                                        max_iterations,
+                                        system),
+                                 system,
+                                 rhs,
+                                 x);
+      multigrid.last    = report.iterations;
+      return report;
     };
     if (multigrid.preconditioner != nullptr &&
         multigrid.pattern == system.n_sparsity_builds() &&
@@ -166,82 +179,112 @@ namespace selkie
         multigrid.last <= multigrid.first + std::max(3u, multigrid.first / 4))
       try
         {
-          multigrid.last = run(2 * multigrid.first + 10);
-          return multigrid.last;
+          return run(2 * multigrid.first + 10);
         }
-      catch (const SolverControl::NoConvergence &)
-        {} // a new one may do better
       catch (const LinearSolverFailure &)
-        {}
+        {} // a new one may do better
     multigrid.preconditioner =
       make_preconditioner(SolverKind::cg_ml, system, traits);
     multigrid.pattern      = system.n_sparsity_builds();
     multigrid.acoustic_cfl = traits.acoustic_cfl;
-    multigrid.first = multigrid.last = run(parameters.max_iterations);
-    return multigrid.last;
+    const auto report      = run(parameters.max_iterations);
+    multigrid.first        = report.iterations;
+    return report;
   }
 
+  /// Corrects x, from zero, until its true residual is small: the iterative
+  /// solvers see only an estimate of it, MINRES one in the preconditioner's
+  /// norm, and factors are exact up to the growth of round-off.
   template <int dim>
-  unsigned int
-  LinearSolver<dim>::iterate(const SolverKind      kind,
-                             const Preconditioner &preconditioner,
-                             const unsigned int    max_iterations,
-                             const System<dim>    &system,
-                             const Vector         &rhs,
-                             Vector               &x)
+  LinearSolveReport
+  LinearSolver<dim>::refine(const SolverKind   kind,
+                            const Correction  &correct,
+                            const System<dim> &system,
+                            const Vector      &rhs,
+                            Vector            &x) const
   {
-    const auto  &matrix     = system.matrix();
-    const double target     = parameters.tolerance * rhs.l2_norm();
-    unsigned int iterations = 0;
-    Vector       residual(rhs), correction(rhs);
-    x = 0.;
-    if (target == 0.)
-      return 0;
-    residual = rhs;
-    // MINRES stops in the preconditioner's norm: ask it again for what is
-    // left until the true residual is small.
-    for (unsigned int round = 0; round < 4; ++round)
+    constexpr unsigned int max_corrections = 4;
+    LinearSolveReport      report;
+    report.solver     = to_string(kind);
+    x                 = 0.;
+    const double size = rhs.l2_norm();
+    if (size == 0.)
+      return report;
+
+    Vector residual(rhs), correction(rhs);
+    report.residual = 1.;
+    for (unsigned int n = 0; n < max_corrections; ++n)
       {
-        const double  size = residual.l2_norm();
-        SolverControl control(max_iterations,
-                              std::max(0.5 * target, 1e-14 * size));
-        correction = 0.;
-        if (kind == SolverKind::minres_jacobi)
-          {
-            Vector scaled(residual);
-            preconditioner.vmult(scaled, residual);
-            const double         norm = std::sqrt(std::abs(scaled * residual));
-            SolverControl        minres_control(max_iterations,
-                                         0.3 * norm * target / size);
-            SolverMinRes<Vector> solver(minres_control);
-            solver.solve(matrix, correction, residual, preconditioner);
-            iterations += minres_control.last_step();
-          }
-        else if (kind == SolverKind::gmres_block)
-          {
-            SolverGMRES<Vector>::AdditionalData data;
-            data.max_n_tmp_vectors     = 62;
-            data.right_preconditioning = true;
-            SolverGMRES<Vector> solver(control, data);
-            solver.solve(matrix, correction, residual, preconditioner);
-            iterations += control.last_step();
-          }
-        else
-          {
-            SolverCG<Vector> solver(control);
-            solver.solve(matrix, correction, residual, preconditioner);
-            iterations += control.last_step();
-          }
+        report.iterations +=
+          correct(correction, residual, parameters.tolerance / report.residual);
         x += correction;
-        const double left = true_residual(matrix, rhs, x, residual);
-        if (!std::isfinite(left))
-          throw LinearSolverFailure("the residual is not finite");
-        if (left <= 2. * target)
-          return iterations;
+        system.matrix().vmult(residual, x);
+        residual.sadd(-1., 1., rhs);
+        report.residual = residual.l2_norm() / size;
+        if (!std::isfinite(report.residual))
+          throw LinearSolverFailure(report.solver +
+                                    ": the residual is not finite");
+        if (report.residual <= parameters.tolerance)
+          return report;
       }
-    throw LinearSolverFailure(
-      "the true residual stays above the tolerance after " +
-      std::to_string(iterations) + " iterations");
+    std::ostringstream text;
+    text.precision(2);
+    text << report.solver << ": the true residual is " << report.residual
+         << " of the right-hand side after " << max_corrections
+         << " corrections, above the tolerance of " << parameters.tolerance;
+    throw LinearSolverFailure(text.str());
+  }
+
+  /// Corrections by a Krylov solver. @p preconditioner must outlive it.
+  template <int dim>
+  typename LinearSolver<dim>::Correction
+  LinearSolver<dim>::krylov(const SolverKind      kind,
+                            const Preconditioner &preconditioner,
+                            const unsigned int    max_iterations,
+                            const System<dim>    &system) const
+  {
+    return [=, &preconditioner, &matrix = system.matrix()](
+             Vector       &correction,
+             const Vector &residual,
+             const double  reduction) {
+      double norm = residual.l2_norm(), share = 0.5;
+      if (kind == SolverKind::minres_jacobi) // stops in another norm
+        {
+          preconditioner.vmult(correction, residual);
+          norm  = std::sqrt(std::abs(correction * residual));
+          share = 0.3;
+        }
+      SolverControl control(max_iterations,
+                            std::max(share * reduction, 1e-14) * norm);
+      correction     = 0.;
+      const auto run = [&](auto &&solver) {
+        try
+          {
+            solver.solve(matrix, correction, residual, preconditioner);
+          }
+        catch (const SolverControl::NoConvergence &)
+          {
+            throw LinearSolverFailure(to_string(kind) +
+                                      ": no convergence in " +
+                                      std::to_string(max_iterations) +
+                                      " iterations");
+          }
+        catch (const ExceptionBase &error)
+          {
+            throw LinearSolverFailure(to_string(kind) + ": breakdown (" +
+                                      error.get_exc_name() + ")");
+          }
+      };
+      if (kind == SolverKind::minres_jacobi)
+        run(SolverMinRes<Vector>(control));
+      else if (kind == SolverKind::gmres_block)
+        run(SolverGMRES<Vector>(
+          control,
+          typename SolverGMRES<Vector>::AdditionalData(62, true)));
+      else
+        run(SolverCG<Vector>(control));
+      return control.last_step();
+    };
   }
 
   template class LinearSolver<2>;

@@ -9,9 +9,13 @@ class Epetra_CrsMatrix;
 namespace selkie
 {
   /**
-   * MUMPS, through Amesos. What it found out about a sparsity pattern is kept
-   * as long as the pattern is the same; of a symmetric matrix it factorises one
-   * half. deal.II's SolverDirect does neither.
+   * MUMPS, through Amesos. What deal.II's SolverDirect does not do:
+   *
+   * - What MUMPS found out about a sparsity pattern is kept as long as the
+   *   pattern is the same, and of a symmetric matrix it factorises one half.
+   * - MUMPS estimates the room for the factors before it pivots; how much it
+   *   takes in truth depends, with several ranks, on which of them is busy. So
+   *   the room is generous, and grows when it did not suffice.
    */
   class DirectSolver
   {
@@ -19,19 +23,24 @@ namespace selkie
     DirectSolver();
     ~DirectSolver();
 
-    /// Solves K x = rhs.
+    /// Factorises. Collective; the matrix must outlive the factors.
     /// @param pattern a number that changes with the pattern of K
     /// @param symmetric only the lower triangle of K is read
-    /// @throw LinearSolverFailure, on all ranks
+    /// @param room in percent beyond MUMPS's own estimate
+    /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.
     void
-    solve(const Epetra_CrsMatrix &K,
-          const unsigned int      pattern,
-          const bool              symmetric,
-          const Vector           &rhs,
-          Vector                 &x);
+    factorise(const Epetra_CrsMatrix &K,
+              const unsigned int      pattern,
+              const bool              symmetric,
+              const int               room = 50);
+
+    /// x = K^{-1} b as well as the factors know it. Collective.
+    /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.
+    void
+    vmult(Vector &x, const Vector &b);
 
   private:
-    struct Analysis;
-    std::unique_ptr<Analysis> analysis; ///< of the last pattern
+    class Factors;
+    std::unique_ptr<Factors> factors; ///< with the analysis of their pattern
   };
 } // namespace selkie

@@ -25,6 +25,14 @@ namespace selkie
     unsigned int iterations = 0; ///< zero for the direct solver
     std::string  solver;         ///< the one that succeeded
     bool         fell_back = false;
+    double       residual  = 0; ///< true one, relative to the right-hand side
+  };
+
+  /// A solver and why it was chosen.
+  struct SolverChoice
+  {
+    SolverKind  kind;
+    std::string reason;
   };
 
   /**
@@ -32,9 +40,10 @@ namespace selkie
    * gradients for solids, with node-block Jacobi below acoustic CFL 10 and ML
    * (rigid-body modes; set up anew only when it pays) above; for mixed systems
    * MINRES with Jacobi while they are symmetric, small and soft, else GMRES
-   * with the block LDL^T preconditioner. Convergence is judged by the true
-   * residual. On breakdown, stagnation or NaN the direct solver (MUMPS) takes
-   * over, and says so.
+   * with the block LDL^T preconditioner. On breakdown, stagnation or NaN the
+   * direct solver (MUMPS) takes over, and says so. Every result, the direct
+   * one too, is judged by its true residual: |rhs - K x| <= tolerance |rhs|,
+   * or it is refined until it is.
    */
   template <int dim>
   class LinearSolver
@@ -44,31 +53,48 @@ namespace selkie
     LinearSolver(const LinearSolverParameters            &parameters,
                  std::function<void(const std::string &)> log);
 
-    /// Solves K x = rhs with System::matrix(). Throws LinearSolverFailure when
-    /// the direct solver fails, too.
+    /// Solves K x = rhs with System::matrix(). Throws LinearSolverFailure, with
+    /// the residual reached, when the direct solver fails, too.
     LinearSolveReport
     solve(System<dim>        &system,
           const SystemTraits &traits,
           const Vector       &rhs,
           Vector             &x);
 
-    /// Which solver `automatic` means for this system, and why.
-    SolverKind
+    /// Which solver this system gets, and why.
+    SolverChoice
     choose(const System<dim> &system, const SystemTraits &traits) const;
 
   private:
-    unsigned int
-    iterate_with_multigrid(System<dim>        &system,
-                           const SystemTraits &traits,
-                           const Vector       &rhs,
-                           Vector             &x);
-    unsigned int
-    iterate(const SolverKind      kind,
-            const Preconditioner &preconditioner,
-            const unsigned int    max_iterations,
-            const System<dim>    &system,
-            const Vector         &rhs,
-            Vector               &x);
+    /// A correction of x that removes a residual up to `reduction` of it;
+    /// returns the iterations it took.
+    using Correction = std::function<unsigned int(Vector       &correction,
+                                                  const Vector &residual,
+                                                  const double  reduction)>;
+
+    /// By one solver alone: LinearSolverFailure if it does not do.
+    LinearSolveReport
+    solve_by(const SolverKind    kind,
+             System<dim>        &system,
+             const SystemTraits &traits,
+             const Vector       &rhs,
+             Vector             &x);
+    LinearSolveReport
+    solve_with_multigrid(System<dim>        &system,
+                         const SystemTraits &traits,
+                         const Vector       &rhs,
+                         Vector             &x);
+    LinearSolveReport
+    refine(const SolverKind   kind,
+           const Correction  &correct,
+           const System<dim> &system,
+           const Vector      &rhs,
+           Vector            &x) const;
+    Correction
+    krylov(const SolverKind      kind,
+           const Preconditioner &preconditioner,
+           const unsigned int    max_iterations,
+           const System<dim>    &system) const;
 
     /// ML of the present or an earlier matrix of the same pattern.
     struct Multigrid
