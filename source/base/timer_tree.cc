@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
+#include <ostream>
 
 namespace selkie
 {
@@ -215,15 +215,11 @@ namespace selkie
 
 
   void
-  TimerTree::write_csv(const std::string &path) const
+  TimerTree::write_csv(const std::vector<Row> &rows, std::ostream &out)
   {
-    const std::vector<Row> table = rows();
-    if (dealii::Utilities::MPI::this_mpi_process(comm) != 0)
-      return;
-    std::ofstream file(path);
-    file << "path,calls,wall (s),cpu (s),share (%)\n";
-    for (const Row &row : table)
-      file << row.path << ',' << row.calls << ',' << row.wall << ',' << row.cpu
-           << ',' << 100 * row.share << '\n';
+    out << "path,calls,wall (s),cpu (s),share (%)\n";
+    for (const Row &row : rows)
+      out << row.path << ',' << row.calls << ',' << row.wall << ',' << row.cpu
+          << ',' << 100 * row.share << '\n';
   }
 } // namespace selkie

@@ -103,9 +103,9 @@ namespace
 } // namespace
 
 
-// SceneError and NumericalFailure are thrown on all ranks alike: reading is
-// the same everywhere, and numerical failures are agreed upon before a step is
-// given up. So one rank prints, and all end MPI in the ordinary way.
+// SceneError, OutputError and NumericalFailure are thrown on all ranks alike:
+// reading is the same everywhere, and the other two are agreed upon. So one
+// rank prints, and all end MPI in the ordinary way.
 int
 main(int argc, char **argv)
 {
@@ -115,6 +115,10 @@ main(int argc, char **argv)
       return execute({argv + 1, argv + argc}, MPI_COMM_WORLD);
     }
   catch (const SceneError &error)
+    {
+      return report(error.what(), bad_input);
+    }
+  catch (const OutputError &error)
     {
       return report(error.what(), bad_input);
     }

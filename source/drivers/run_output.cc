@@ -1,7 +1,10 @@
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
 #include <selkie/base/text.h>
 #include <selkie/drivers/run_output.h>
 #include <selkie/output/banner.h>
 #include <selkie/output/checkpoint.h>
+#include <selkie/output/files.h>
 #include <selkie/output/output_folder.h>
 
 #include <deal.II/base/mpi.h>
@@ -73,7 +76,9 @@ namespace selkie
              std::to_string(particles.fields.n_components() * 8) +
              " bytes of columns each");
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
-    statistics.open(scene.output.directory + "/statistics.csv", root);
+    fail_together<OutputError>(comm, [&] {
+      statistics.open(scene.output.directory + "/statistics.csv", root);
+    });
     vtu = std::make_unique<VtuWriter<dim>>(scene.output.directory, particles);
     for (const auto &active : scene.effects)
       if (auto recorder = active.effect->recorder(particles))
@@ -155,7 +160,7 @@ namespace selkie
                      initial_energy);
     statistics.set("points removed", particles.accounting.removed);
     statistics.set("points kept at walls", particles.accounting.kept_at_wall);
-    statistics.end_row();
+    fail_together<OutputError>(comm, [&] { statistics.end_row(); });
   }
 
   template <int dim>
@@ -233,9 +238,15 @@ namespace selkie
     summary.wall_time       = timers.wall_time();
     summary.timings         = timers.rows();
     summary.costs           = costs(stepper, comm);
-    if (root)
+    fail_together<OutputError>(comm, [&] {
+      if (!root)
+        return;
       write_summary(scene.output.directory + "/summary.json", summary);
-    timers.write_csv(scene.output.directory + "/timing.csv");
+      write_file(scene.output.directory + "/timing.csv",
+                 [&](std::ostream &file) {
+                   TimerTree::write_csv(summary.timings, file);
+                 });
+    });
     log.line();
     timers.print(log);
     const double scale = std::max({std::abs(initial_energy),

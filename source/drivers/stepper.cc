@@ -415,14 +415,49 @@ namespace selkie
     unknowns.initialize(residual);
     unknowns.initialize(a_0);
     assembler.assemble(table, time, fields, 1., false, residual);
-    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
-      if (!unknowns.held(i))
-        a_0.local_element(i) =
-          -residual.local_element(i) / fields.mass.local_element(i);
+    solve_mass(time, residual, a_0);
     a_0.update_ghost_values();
     set_accelerations(particles, table, unknowns, a_0);
     if (nodes)
       nodes->set_acceleration(unknowns, a_0);
+  }
+
+  /// M a = -residual in the free displacements, with the mass of the scene.
+  template <int dim>
+  void
+  Stepper<dim>::solve_mass(const StepTime &time,
+                           const Vector   &residual,
+                           Vector         &a)
+  {
+    const unsigned int n_u   = unknowns.n_owned_displacements();
+    const auto         force = [&](const unsigned int i) {
+      return unknowns.held(i) ? 0. : -residual.local_element(i);
+    };
+    if (scene.inertia->mass == MassKind::lumped)
+      {
+        for (unsigned int i = 0; i < n_u; ++i)
+          a.local_element(i) = force(i) / fields.mass.local_element(i);
+        return;
+      }
+    // The tangent of the inertia alone is alpha1 M; pressures have no mass.
+    typename Assembler<dim>::Terms inertia;
+    for (const auto &term : terms)
+      if (term->use().acceleration)
+        inertia.push_back(term);
+    Vector rhs(residual);
+    Assembler<dim>(inertia, unknowns)
+      .assemble(table, time, fields, 1., true, rhs);
+    rhs = 0.;
+    for (unsigned int i = 0; i < n_u; ++i)
+      rhs.local_element(i) = time.newmark.alpha1 * force(i);
+    for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
+      {
+        const auto row = unknowns.partitioner()->local_to_global(i);
+        unknowns.matrix().add(row, row, 1.);
+      }
+    unknowns.matrix().compress(VectorOperation::add);
+    linear_solver.solve_by(
+      SolverKind::minres_jacobi, unknowns, SystemTraits(), rhs, a);
   }
 
   template <int dim>

@@ -25,22 +25,15 @@ namespace selkie
   {
     namespace fs = std::filesystem;
 
-    /// Runs an action on rank 0; its failure is thrown on all ranks.
-    template <typename Error, typename Action>
+    /// Writes something on rank 0; its failure is thrown on all ranks.
+    template <typename Action>
     void
     on_root(const MPI_Comm comm, const Action &action)
     {
-      std::string failure;
-      if (dealii::Utilities::MPI::this_mpi_process(comm) == 0)
-        try
-          {
-            action();
-          }
-        catch (const std::exception &error)
-          {
-            failure = std::string("checkpoint: ") + error.what();
-          }
-      throw_on_all_ranks<Error>(comm, failure);
+      fail_together<OutputError>(comm, [&] {
+        if (dealii::Utilities::MPI::this_mpi_process(comm) == 0)
+          action();
+      });
     }
 
     /// e.g. "000120"; sorts by step.
@@ -246,7 +239,7 @@ namespace selkie
     const fs::path        folder      = checkpoints / name;
     const CheckpointState state{time, step, dt, particles.accounting};
 
-    on_root<std::runtime_error>(comm, [&]() {
+    on_root(comm, [&]() {
       fs::remove_all(folder);
       fs::create_directories(folder);
     });
@@ -260,7 +253,7 @@ namespace selkie
       transfer.prepare_for_serialization(values);
     mesh.save((folder / "mesh").string());
 
-    on_root<std::runtime_error>(comm, [&]() {
+    on_root(comm, [&]() {
       std::ostringstream            counters;
       boost::archive::text_oarchive archive(counters);
       archive << std::as_const(particles).handler();

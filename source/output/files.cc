@@ -9,13 +9,31 @@
 namespace selkie
 {
   void
-  write_text(const std::string &path, const std::string &text)
+  write_file(const std::string                         &path,
+             const std::function<void(std::ostream &)> &write)
   {
     std::ofstream file(path);
-    file << text;
+    if (file)
+      try
+        {
+          write(file);
+        }
+      catch (...)
+        {
+          // A stream that fails is reported below, with path and reason.
+          if (file)
+            throw;
+        }
     if (!file.flush())
       throw std::runtime_error("cannot write '" + path +
                                "': " + std::strerror(errno));
+  }
+
+
+  void
+  write_text(const std::string &path, const std::string &text)
+  {
+    write_file(path, [&](std::ostream &file) { file << text; });
   }
 
 

@@ -60,8 +60,10 @@ namespace selkie
         curve.probe  = &probe;
         if (probe.kind == Kind::point)
           curve.radius = radius_that_reaches(probe);
-        curve.table.open(directory + "/probes/" + probe.name + ".csv",
-                         rank == 0);
+        fail_together<OutputError>(particles.communicator(), [&] {
+          curve.table.open(directory + "/probes/" + probe.name + ".csv",
+                           rank == 0);
+        });
       }
 
     const std::vector<Sums> sums = sums_of_curves();
@@ -322,7 +324,8 @@ namespace selkie
               set_error(probe, time, table);
               break;
           }
-        table.end_row();
+        fail_together<OutputError>(particles.communicator(),
+                                   [&] { table.end_row(); });
       }
   }
 

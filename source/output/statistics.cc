@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 namespace selkie
@@ -40,8 +41,12 @@ namespace selkie
         row[i].second.clear();
       }
     next = 0;
-    if (root && !file.flush())
-      throw std::runtime_error("cannot write a row of '" + path + "'");
+    if (!root)
+      return;
+    // A file that was removed takes rows without complaint.
+    if (!file.flush() || !std::filesystem::exists(path))
+      throw std::runtime_error("cannot write a row of '" + path +
+                               "': " + std::strerror(errno));
   }
 
 

@@ -1,12 +1,14 @@
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
 #include <selkie/laws/hyperelastic_law.h>
 #include <selkie/output/audit.h>
+#include <selkie/output/files.h>
 #include <selkie/output/vtu.h>
 
 #include <deal.II/numerics/data_out.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
@@ -248,6 +250,37 @@ namespace selkie
 
       std::vector<Range> ranges;
     };
+
+
+    /// One .vtu a rank and the .pvtu that lists them, with deal.II's names
+    /// (write_vtu_with_pvtu_record()). Collective. Returns the .pvtu's name.
+    /// @throw OutputError, on all ranks, if a file cannot be written.
+    template <typename Patches>
+    std::string
+    write_pieces(const Patches     &patches,
+                 const std::string &folder,
+                 const std::string &name,
+                 const unsigned int number,
+                 const MPI_Comm     comm)
+    {
+      using namespace dealii::Utilities;
+      const std::string  stem    = name + '_' + int_to_string(number, digits);
+      const unsigned int n_ranks = MPI::n_mpi_processes(comm);
+      const unsigned int rank    = MPI::this_mpi_process(comm);
+      std::vector<std::string> pieces;
+      for (unsigned int r = 0; r < n_ranks; ++r)
+        pieces.push_back(stem + '.' +
+                         int_to_string(r, needed_digits(n_ranks - 1)) + ".vtu");
+      fail_together<OutputError>(comm, [&] {
+        write_file(folder + pieces[rank],
+                   [&](std::ostream &file) { patches.write_vtu(file); });
+        if (rank == 0)
+          write_file(folder + stem + ".pvtu", [&](std::ostream &file) {
+            patches.write_pvtu_record(file, pieces);
+          });
+      });
+      return stem + ".pvtu";
+    }
   } // namespace
 
 
@@ -277,12 +310,11 @@ namespace selkie
   {
     ParticlePatches<dim> patches(particles);
     patches.set_flags(vtk_flags(time, step, patches.units));
-    const std::string file =
-      patches.write_vtu_with_pvtu_record(directory + "/solution/",
-                                         "particles",
-                                         particle_files.size(),
-                                         particles.communicator(),
-                                         digits);
+    const std::string file = write_pieces(patches,
+                                          directory + "/solution/",
+                                          "particles",
+                                          particle_files.size(),
+                                          particles.communicator());
     add_to_record("particles", time, file, particle_files);
   }
 
@@ -295,12 +327,11 @@ namespace selkie
   {
     NodalPatches<dim> patches(mesh);
     patches.set_flags(vtk_flags(time, step));
-    const std::string file =
-      patches.write_vtu_with_pvtu_record(directory + "/solution/",
-                                         "mesh",
-                                         mesh_files.size(),
-                                         particles.communicator(),
-                                         digits);
+    const std::string file = write_pieces(patches,
+                                          directory + "/solution/",
+                                          "mesh",
+                                          mesh_files.size(),
+                                          particles.communicator());
     add_to_record("mesh", time, file, mesh_files);
   }
 
@@ -313,15 +344,17 @@ namespace selkie
                                 Record            &record) const
   {
     record.emplace_back(time, "solution/" + file);
-    if (dealii::Utilities::MPI::this_mpi_process(particles.communicator()) != 0)
-      return;
-    // Written aside and renamed: a viewer never meets half a list.
-    const std::string path = directory + '/' + name + ".pvd";
-    {
-      std::ofstream pvd(path + ".new");
-      dealii::DataOutBase::write_pvd_record(pvd, record);
-    }
-    std::filesystem::rename(path + ".new", path);
+    const MPI_Comm comm = particles.communicator();
+    fail_together<OutputError>(comm, [&] {
+      if (dealii::Utilities::MPI::this_mpi_process(comm) != 0)
+        return;
+      // Written aside and renamed: a viewer never meets half a list.
+      const std::string path = directory + '/' + name + ".pvd";
+      write_file(path + ".new", [&](std::ostream &pvd) {
+        dealii::DataOutBase::write_pvd_record(pvd, record);
+      });
+      std::filesystem::rename(path + ".new", path);
+    });
   }
 
 

@@ -96,8 +96,8 @@ namespace selkie
     while (too_little_room(error) && factors->room < most_room)
       {
         const int more = 2 * (100 + factors->room) - 100;
-        factors = std::make_unique<Factors>(K, pattern, symmetric, more);
-        error   = factors->factorise();
+        factors        = std::make_unique<Factors>(K, pattern, symmetric, more);
+        error          = factors->factorise();
       }
     if (error >= 0) // above zero: a warning
       return;

@@ -50,13 +50,13 @@ namespace selkie
       return {parameters.kind, "the scene says so"};
     const auto n = system.n_global();
     if (!traits.mixed)
-      return n < 200 ? SolverChoice{SolverKind::direct,
-                                    "fewer than 200 unknowns"} :
-             traits.acoustic_cfl < 10. ?
-                       SolverChoice{SolverKind::cg_jacobi,
-                                    "symmetric, acoustic CFL below 10"} :
-                       SolverChoice{SolverKind::cg_ml,
-                                    "symmetric, acoustic CFL of 10 or more"};
+      return n < 200
+               ? SolverChoice{SolverKind::direct, "fewer than 200 unknowns"}
+             : traits.acoustic_cfl < 10.
+               ? SolverChoice{SolverKind::cg_jacobi,
+                              "symmetric, acoustic CFL below 10"}
+               : SolverChoice{SolverKind::cg_ml,
+                              "symmetric, acoustic CFL of 10 or more"};
     // Mixed systems need hundreds of MINRES iterations once water splashes:
     // up to this size a factorisation is cheaper. In 3D it fills in more.
     const unsigned int direct_below =
@@ -243,48 +243,46 @@ namespace selkie
                             const unsigned int    max_iterations,
                             const System<dim>    &system) const
   {
-    return [=, &preconditioner, &matrix = system.matrix()](
-             Vector       &correction,
-             const Vector &residual,
-             const double  reduction) {
-      double norm = residual.l2_norm(), share = 0.5;
-      if (kind == SolverKind::minres_jacobi) // stops in another norm
-        {
-          preconditioner.vmult(correction, residual);
-          norm  = std::sqrt(std::abs(correction * residual));
-          share = 0.3;
-        }
-      SolverControl control(max_iterations,
-                            std::max(share * reduction, 1e-14) * norm);
-      correction     = 0.;
-      const auto run = [&](auto &&solver) {
-        try
+    return
+      [=, &preconditioner, &matrix = system.matrix()](Vector       &correction,
+                                                      const Vector &residual,
+                                                      const double  reduction) {
+        double norm = residual.l2_norm(), share = 0.5;
+        if (kind == SolverKind::minres_jacobi) // stops in another norm
           {
-            solver.solve(matrix, correction, residual, preconditioner);
+            preconditioner.vmult(correction, residual);
+            norm  = std::sqrt(std::abs(correction * residual));
+            share = 0.3;
           }
-        catch (const SolverControl::NoConvergence &)
-          {
-            throw LinearSolverFailure(to_string(kind) +
-                                      ": no convergence in " +
-                                      std::to_string(max_iterations) +
-                                      " iterations");
-          }
-        catch (const ExceptionBase &error)
-          {
-            throw LinearSolverFailure(to_string(kind) + ": breakdown (" +
-                                      error.get_exc_name() + ")");
-          }
+        SolverControl control(max_iterations,
+                              std::max(share * reduction, 1e-14) * norm);
+        correction     = 0.;
+        const auto run = [&](auto &&solver) {
+          try
+            {
+              solver.solve(matrix, correction, residual, preconditioner);
+            }
+          catch (const SolverControl::NoConvergence &)
+            {
+              throw LinearSolverFailure(
+                to_string(kind) + ": no convergence in " +
+                std::to_string(max_iterations) + " iterations");
+            }
+          catch (const ExceptionBase &error)
+            {
+              throw LinearSolverFailure(to_string(kind) + ": breakdown (" +
+                                        error.get_exc_name() + ")");
+            }
+        };
+        if (kind == SolverKind::minres_jacobi)
+          run(SolverMinRes<Vector>(control));
+        else if (kind == SolverKind::gmres_block)
+          run(SolverGMRES<Vector>(
+            control, typename SolverGMRES<Vector>::AdditionalData(62, true)));
+        else
+          run(SolverCG<Vector>(control));
+        return control.last_step();
       };
-      if (kind == SolverKind::minres_jacobi)
-        run(SolverMinRes<Vector>(control));
-      else if (kind == SolverKind::gmres_block)
-        run(SolverGMRES<Vector>(
-          control,
-          typename SolverGMRES<Vector>::AdditionalData(62, true)));
-      else
-        run(SolverCG<Vector>(control));
-      return control.last_step();
-    };
   }
 
   template class LinearSolver<2>;

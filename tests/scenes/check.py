@@ -322,6 +322,36 @@ def cantilever(selkie, folder, cells="8"):
           / -expected, 0.01)
 
 
+def elliptical_drop(selkie, folder, dimension="2"):
+    """Monaghan's ellipse, and its three-dimensional form (see the scenes).
+
+    k directions are squeezed alike: a' = -A a / k, b' = A b and
+    A' = A^2 (a^2 / k^2 - b^2) / (a^2 / k + b^2).
+    """
+    k = int(dimension) - 1
+    scene = {1: "elliptical_drop.prm", 2: "elliptical_drop_3d.prm"}[k]
+    run(selkie, BENCHMARKS / scene, folder)
+    probe = table(folder / "probes" / "drop.csv")
+
+    def rate(a, b, A):
+        return -A * a / k, A * b, A * A * (a * a / k**2 - b * b) / (a * a / k + b * b)
+
+    state, t = (1., 1., 100.), 0.
+    for quarter in (0.25, 0.5, 0.75, 1.):
+        row = min(range(len(probe["time"])),
+                  key=lambda i: abs(probe["time"][i] - quarter / 100))
+        n = 1000  # steps of the midpoint rule, exact to 1e-8
+        dt, t = (probe["time"][row] - t) / n, probe["time"][row]
+        for _ in range(n):
+            half = [x + dt / 2 * r for x, r in zip(state, rate(*state))]
+            state = tuple(x + dt * r for x, r in zip(state, rate(*half)))
+        for axis, exact in zip("xyz", (state[0], state[1], state[0])[:k + 1]):
+            value = probe["semi-axis " + axis][row]
+            check(f"A0 t = {100 * t:.2f}: {axis} {value:.5f} m, exact {exact:.5f} m",
+                  value / exact - 1, 0.02)
+        check(f"A0 t = {100 * t:.2f}: volume", probe["volume"][row] / probe["volume"][0] - 1, 0.005)
+
+
 def cook_membrane(selkie, folder):
     """deal.II's code gallery, Q1: the rise of the tip's middle, mm."""
     for refinements, expected in ((1, 8.638), (2, 12.07), (3, 13.86), (4, 14.49), (5, 14.67)):

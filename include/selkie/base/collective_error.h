@@ -2,6 +2,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <exception>
 #include <string>
 
 namespace selkie
@@ -22,5 +23,26 @@ namespace selkie
          dealii::Utilities::MPI::all_gather(comm, message))
       if (!text.empty())
         throw Error(text);
+  }
+
+  /**
+   * Runs an action that may fail on some ranks only, such as writing a file:
+   * what it throws on one is thrown on all, as Error. Collective; the action
+   * itself must not communicate.
+   */
+  template <typename Error, typename Action>
+  void
+  fail_together(const MPI_Comm comm, const Action &action)
+  {
+    std::string failure;
+    try
+      {
+        action();
+      }
+    catch (const std::exception &error)
+      {
+        failure = error.what();
+      }
+    throw_on_all_ranks<Error>(comm, failure);
   }
 } // namespace selkie

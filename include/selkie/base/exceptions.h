@@ -8,16 +8,24 @@
 
 /**
  * @file
- * The two ways in which a run ends early. A SceneError is the user's to mend
- * (exit code 1); a NumericalFailure is first answered by a smaller time step
- * and, when no retry is left, ends the run with a checkpoint (exit code 2).
- * Programmer errors are dealii's Assert.
+ * The ways in which a run ends early. A SceneError or an OutputError is the
+ * user's to mend (exit code 1); a NumericalFailure is first answered by a
+ * smaller time step and, when no retry is left, ends the run with a checkpoint
+ * (exit code 2). Programmer errors are dealii's Assert.
  */
 namespace selkie
 {
   /// Bad input or usage. The message names file, parameter, value and what is
   /// allowed. Exit code 1.
   class SceneError : public std::runtime_error
+  {
+  public:
+    using std::runtime_error::runtime_error;
+  };
+
+  /// A result that cannot be written: the disk is full, the folder is gone.
+  /// Thrown on all ranks. Exit code 1.
+  class OutputError : public std::runtime_error
   {
   public:
     using std::runtime_error::runtime_error;

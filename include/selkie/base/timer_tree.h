@@ -5,6 +5,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <chrono>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -90,9 +91,9 @@ namespace selkie
     void
     print(Log &log) const;
 
-    /// The table of rows(), written by rank 0. Collective.
-    void
-    write_csv(const std::string &path) const;
+    /// The table of rows() as CSV.
+    static void
+    write_csv(const std::vector<Row> &rows, std::ostream &out);
 
   private:
     const MPI_Comm           comm;

@@ -124,6 +124,8 @@ namespace selkie
     SystemTraits
     traits(const Newmark &newmark) const;
     void
+    solve_mass(const StepTime &time, const Vector &residual, Vector &a);
+    void
     set_predictor(const Newmark &newmark);
     void
     choose_first_guess(const StepTime &time);

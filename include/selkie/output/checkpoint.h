@@ -29,7 +29,7 @@ namespace selkie
    * @param dofs of FE_Q(1): the numbering of the nodes
    * @param nodal_fields what the nodes keep from step to step, with ghosts
    * @return the checkpoint's folder
-   * @throw std::runtime_error, on all ranks, if it cannot be written.
+   * @throw OutputError, on all ranks, if it cannot be written.
    */
   template <int dim>
   std::string

@@ -38,7 +38,8 @@ namespace selkie
     }
 
     /// Writes and flushes the row. A column that was not set is `nan`.
-    /// @throw std::runtime_error, on the root, if the disk does not take it.
+    /// @throw std::runtime_error, on the root, if the disk does not take it or
+    /// the file is gone.
     void
     end_row();
 

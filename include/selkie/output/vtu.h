@@ -40,6 +40,7 @@ namespace selkie
     VtuWriter(const std::string &directory, const ParticleSet<dim> &particles);
 
     /// Collective.
+    /// @throw OutputError, on all ranks, if a file cannot be written.
     /// @param time s
     /// @param step number of steps done, written as VTK's CYCLE
     /// @param mesh null: particles only

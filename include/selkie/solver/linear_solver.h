@@ -61,6 +61,14 @@ namespace selkie
           const Vector       &rhs,
           Vector             &x);
 
+    /// The same by one solver alone: LinearSolverFailure if it does not do.
+    LinearSolveReport
+    solve_by(const SolverKind    kind,
+             System<dim>        &system,
+             const SystemTraits &traits,
+             const Vector       &rhs,
+             Vector             &x);
+
     /// Which solver this system gets, and why.
     SolverChoice
     choose(const System<dim> &system, const SystemTraits &traits) const;
@@ -72,13 +80,6 @@ namespace selkie
                                                   const Vector &residual,
                                                   const double  reduction)>;
 
-    /// By one solver alone: LinearSolverFailure if it does not do.
-    LinearSolveReport
-    solve_by(const SolverKind    kind,
-             System<dim>        &system,
-             const SystemTraits &traits,
-             const Vector       &rhs,
-             Vector             &x);
     LinearSolveReport
     solve_with_multigrid(System<dim>        &system,
                          const SystemTraits &traits,
