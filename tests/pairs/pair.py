@@ -158,20 +158,21 @@ def dam_break(selkie, folder):
 
 
 def dam_break_obstacle(selkie, folder):
-    """The water's fall to t = 0.04 s, on a mesh that fits water and obstacle.
+    """The water's fall to t = 0.02 s, on a mesh that fits water and obstacle.
 
     Its cells are 2 x 4 mm; material points keep their cells of 6 mm, of which half
-    a one is what the fronts may differ by. Later the mesh of the front's tip, ever
-    finer than the other, needs ever smaller steps (0.4 ms at t = 0.048 s). Water
-    and obstacle meet at 0.146 s: two separate meshes would not notice.
+    a one is what the fronts may differ by. A step of 1 ms is 20 sound crossings of
+    a fine cell, and the mesh of the front's tip suffers: at 0.04 s velocities differ
+    by 15 %, at 0.048 s it needs steps of 0.4 ms. Water and obstacle would meet at
+    0.146 s, and two meshes that do not share nodes there would not notice.
     """
     *folders, difference = pair(
         selkie, folder, "dam_break_obstacle.prm",
-        ("Time/End time=0.04",),
+        ("Time/End time=0.02",),
         fem=("Domain/Cells=292, 110", "Domain/Upper corner=0.584, 0.44"))
     check("front, over half a cell",
           difference["probe front", "front x"]["all"].largest / (0.584 / 98 / 2), 1)
-    check("velocity", difference["body water", "velocity"]["all"].relative, 0.05)
+    check("velocity", difference["body water", "velocity"]["all"].relative, 0.03)
     for out in folders:
         check(f"tip, {out.name}, over its height",
               max(map(abs, probe(out, "tip")["displacement x"])) / 0.08, 1e-6)

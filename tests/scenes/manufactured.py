@@ -91,15 +91,16 @@ def sweep(selkie, folder, path):
 
 
 def causes(selkie, folder, path):
-    """What the error of LME-MPM consists of: one thing changed at a time."""
+    """What the error of LME-MPM (gamma = 3, 2x2) consists of: one thing changed at a
+    time, with points that cross cells and, A/100, with points that do not.
+    """
     series = {}
-    for gamma, n in ((3, 2), (1.8, 2)):
-        name, base = f"LME-MPM {gamma}, {n}x{n}", points(gamma, n)
-        series[name] = ("lme mpm", base)
-        series[name + ", half the step"] = ("lme mpm", base, 0.05, 8)
-        series[name + ", TPIC"] = ("lme mpm", (*base, "Transfer/Scheme=tpic"))
-        series[name + ", consistent mass"] = ("lme mpm", (*base, "Inertia/Mass=consistent"))
-        series[name + ", A/100"] = ("lme mpm", base, 0.0005)
+    for A, name in ((0.05, "A"), (0.0005, "A/100")):
+        series[name] = ("lme mpm", points(3, 2), A)
+        series[name + ", half the step"] = ("lme mpm", points(3, 2), A, 8)
+        series[name + ", TPIC"] = ("lme mpm", (*points(3, 2), "Transfer/Scheme=tpic"), A)
+        series[name + ", consistent mass"] = \
+            ("lme mpm", (*points(3, 2), "Inertia/Mass=consistent"), A)
     write_series(selkie, folder, path, series)
 
 
