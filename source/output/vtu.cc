@@ -263,14 +263,17 @@ namespace selkie
                  const unsigned int number,
                  const MPI_Comm     comm)
     {
-      using namespace dealii::Utilities;
-      const std::string  stem    = name + '_' + int_to_string(number, digits);
-      const unsigned int n_ranks = MPI::n_mpi_processes(comm);
-      const unsigned int rank    = MPI::this_mpi_process(comm);
+      using dealii::Utilities::int_to_string;
+      const std::string  stem = name + '_' + int_to_string(number, digits);
+      const unsigned int n_ranks =
+        dealii::Utilities::MPI::n_mpi_processes(comm);
+      const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(comm);
       std::vector<std::string> pieces;
       for (unsigned int r = 0; r < n_ranks; ++r)
-        pieces.push_back(stem + '.' +
-                         int_to_string(r, needed_digits(n_ranks - 1)) + ".vtu");
+        pieces.push_back(
+          stem + '.' +
+          int_to_string(r, dealii::Utilities::needed_digits(n_ranks - 1)) +
+          ".vtu");
       fail_together<OutputError>(comm, [&] {
         write_file(folder + pieces[rank],
                    [&](std::ostream &file) { patches.write_vtu(file); });

@@ -2,6 +2,7 @@
 #include <selkie/solver/linear_solver.h>
 #include <selkie/solver/preconditioner.h>
 
+#include <deal.II/base/exceptions.h>
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/solver_minres.h>
@@ -268,7 +269,7 @@ namespace selkie
                 to_string(kind) + ": no convergence in " +
                 std::to_string(max_iterations) + " iterations");
             }
-          catch (const ExceptionBase &error)
+          catch (const dealii::ExceptionBase &error)
             {
               throw LinearSolverFailure(to_string(kind) + ": breakdown (" +
                                         error.get_exc_name() + ")");
