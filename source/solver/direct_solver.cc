@@ -9,21 +9,22 @@
 
 namespace selkie
 {
+  using namespace dealii;
+
   /// MUMPS with the problem that it refers to.
   class DirectSolver::Factors
   {
   public:
-    Factors(const Epetra_CrsMatrix &K,
-            const unsigned int      pattern,
-            const bool              symmetric,
-            const int               room)
+    Factors(const std::shared_ptr<const TrilinosWrappers::SparseMatrix> &K,
+            const bool symmetric,
+            const int  room)
       : matrix(K)
-      , pattern(pattern)
       , symmetric(symmetric)
       , room(room)
       , mumps(problem)
     {
-      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&K));
+      problem.SetOperator(
+        const_cast<Epetra_CrsMatrix *>(&K->trilinos_matrix()));
       Teuchos::ParameterList list;
       list.set("OutputLevel", 0);
       list.set("MatrixProperty", symmetric ? "symmetric" : "general");
@@ -48,8 +49,9 @@ namespace selkie
       const auto view = [](const Epetra_Map &map, const Vector &vector) {
         return Epetra_Vector(View, map, const_cast<double *>(vector.begin()));
       };
-      auto solution = view(matrix.OperatorDomainMap(), x);
-      auto rhs      = view(matrix.OperatorRangeMap(), b);
+      const auto &K        = matrix->trilinos_matrix();
+      auto        solution = view(K.OperatorDomainMap(), x);
+      auto        rhs      = view(K.OperatorRangeMap(), b);
       problem.SetLHS(&solution);
       problem.SetRHS(&rhs);
       mumps.Solve();
@@ -58,10 +60,10 @@ namespace selkie
       return error();
     }
 
-    const Epetra_CrsMatrix &matrix;
-    const unsigned int      pattern;
-    const bool              symmetric;
-    const int               room;
+    const std::shared_ptr<const TrilinosWrappers::SparseMatrix> matrix;
+
+    const bool symmetric;
+    const int  room;
 
   private:
     int
@@ -79,14 +81,13 @@ namespace selkie
   DirectSolver::~DirectSolver() = default;
 
   void
-  DirectSolver::factorise(const Epetra_CrsMatrix &K,
-                          const unsigned int      pattern,
-                          const bool              symmetric,
-                          const int               room)
+  DirectSolver::factorise(
+    const std::shared_ptr<const TrilinosWrappers::SparseMatrix> &K,
+    const bool                                                   symmetric,
+    const int                                                    room)
   {
-    if (!factors || &factors->matrix != &K || factors->pattern != pattern ||
-        factors->symmetric != symmetric)
-      factors = std::make_unique<Factors>(K, pattern, symmetric, room);
+    if (!factors || factors->matrix != K || factors->symmetric != symmetric)
+      factors = std::make_unique<Factors>(K, symmetric, room);
 
     const auto too_little_room = [](const int error) {
       return error == -8 || error == -9; // for integers, for reals
@@ -96,7 +97,7 @@ namespace selkie
     while (too_little_room(error) && factors->room < most_room)
       {
         const int more = 2 * (100 + factors->room) - 100;
-        factors        = std::make_unique<Factors>(K, pattern, symmetric, more);
+        factors        = std::make_unique<Factors>(K, symmetric, more);
         error          = factors->factorise();
       }
     if (error >= 0) // above zero: a warning

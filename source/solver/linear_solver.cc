@@ -139,9 +139,7 @@ namespace selkie
                     system,
                     rhs,
                     x);
-    direct.factorise(system.matrix().trilinos_matrix(),
-                     system.n_sparsity_builds(),
-                     traits.symmetric && !traits.mixed);
+    direct.factorise(system.shared_matrix(), traits.symmetric && !traits.mixed);
     return refine(
       kind,
       [this](Vector &correction, const Vector &residual, const double) {
@@ -175,7 +173,7 @@ namespace selkie
       return report;
     };
     if (multigrid.preconditioner != nullptr &&
-        multigrid.pattern == system.n_sparsity_builds() &&
+        multigrid.matrix == system.shared_matrix() &&
         multigrid.acoustic_cfl == traits.acoustic_cfl &&
         multigrid.last <= multigrid.first + std::max(3u, multigrid.first / 4))
       try
@@ -186,7 +184,7 @@ namespace selkie
         {} // a new one may do better
     multigrid.preconditioner =
       make_preconditioner(SolverKind::cg_ml, system, traits);
-    multigrid.pattern      = system.n_sparsity_builds();
+    multigrid.matrix       = system.shared_matrix();
     multigrid.acoustic_cfl = traits.acoustic_cfl;
     const auto report      = run(parameters.max_iterations);
     multigrid.first        = report.iterations;

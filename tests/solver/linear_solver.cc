@@ -172,7 +172,7 @@ TEST(DirectSolverMPI, GrowsItsRoom)
   Problem problem;
   problem.system->matrix().compress(dealii::VectorOperation::add);
   DirectSolver solver;
-  solver.factorise(problem.system->matrix().trilinos_matrix(), 0, false, -99);
+  solver.factorise(problem.system->shared_matrix(), false, -99);
   solver.vmult(problem.x, problem.rhs);
   EXPECT_LE(problem.true_residual(), 1e-12);
 }

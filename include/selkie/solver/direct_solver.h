@@ -2,9 +2,9 @@
 
 #include <selkie/base/types.h>
 
-#include <memory>
+#include <deal.II/lac/trilinos_sparse_matrix.h>
 
-class Epetra_CrsMatrix;
+#include <memory>
 
 namespace selkie
 {
@@ -23,16 +23,16 @@ namespace selkie
     DirectSolver();
     ~DirectSolver();
 
-    /// Factorises. Collective; the matrix must outlive the factors.
-    /// @param pattern a number that changes with the pattern of K
+    /// Factorises. Collective. Another pattern is another matrix object; the
+    /// last one is kept as long as its factors are, which refer to it.
     /// @param symmetric only the lower triangle of K is read
     /// @param room in percent beyond MUMPS's own estimate
     /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.
     void
-    factorise(const Epetra_CrsMatrix &K,
-              const unsigned int      pattern,
-              const bool              symmetric,
-              const int               room = 50);
+    factorise(
+      const std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix> &K,
+      const bool symmetric,
+      const int  room = 50);
 
     /// x = K^{-1} b as well as the factors know it. Collective.
     /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.

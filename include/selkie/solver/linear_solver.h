@@ -100,10 +100,11 @@ namespace selkie
     /// ML of the present or an earlier matrix of the same pattern.
     struct Multigrid
     {
-      std::unique_ptr<const Preconditioner> preconditioner;
-      unsigned int                          pattern      = 0;
-      double                                acoustic_cfl = 0;
-      unsigned int                          first = 0, last = 0; ///< iterations
+      std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix> matrix;
+      std::unique_ptr<const Preconditioner> preconditioner; ///< refers to it
+
+      double       acoustic_cfl = 0;
+      unsigned int first = 0, last = 0; ///< iterations
     };
 
     const LinearSolverParameters                   parameters;
