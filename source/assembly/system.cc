@@ -197,12 +197,12 @@ namespace selkie
     const auto    &own  = partition->locally_owned_range();
     if (Utilities::MPI::n_mpi_processes(comm) > 1)
       SparsityTools::distribute_sparsity_pattern(pattern, own, comm, relevant);
-    tangent.clear();
-    tangent.reinit(own, own, pattern, comm, true);
+    tangent = std::make_shared<TrilinosWrappers::SparseMatrix>();
+    tangent->reinit(own, own, pattern, comm, true);
 
     columns.resize(is_held.size());
     for (unsigned int i = 0; i < columns.size(); ++i)
-      columns[i] = tangent.trilinos_matrix().ColMap().LID(
+      columns[i] = tangent->trilinos_matrix().ColMap().LID(
         static_cast<int>(partition->local_to_global(i)));
     ++sparsity_builds;
   }

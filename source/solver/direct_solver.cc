@@ -2,7 +2,7 @@
 #include <selkie/solver/direct_solver.h>
 
 #include <Amesos.h>
-#include <Epetra_CrsMatrix.h>
+#include <Epetra_FECrsMatrix.h>
 #include <Epetra_LinearProblem.h>
 #include <Epetra_Vector.h>
 #include <Teuchos_ParameterList.hpp>
@@ -13,13 +13,12 @@ namespace selkie
 {
   struct DirectSolver::Analysis
   {
-    Analysis(const Epetra_CrsMatrix &K,
-             const unsigned int      pattern,
-             const bool              symmetric)
-      : pattern(pattern)
+    Analysis(const Matrix &K, const bool symmetric)
+      : K(K)
       , symmetric(symmetric)
     {
-      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&K));
+      problem.SetOperator(
+        const_cast<Epetra_FECrsMatrix *>(&K->trilinos_matrix()));
       solver.reset(Amesos().Create("Amesos_Mumps", problem));
       Teuchos::ParameterList list;
       list.set("MatrixProperty", symmetric ? "symmetric" : "general");
@@ -27,7 +26,7 @@ namespace selkie
       failed = solver->SymbolicFactorization() != 0;
     }
 
-    const unsigned int                 pattern;
+    const Matrix                       K; ///< Amesos needs it to the end
     const bool                         symmetric;
     bool                               failed;
     Epetra_LinearProblem               problem;
@@ -39,18 +38,17 @@ namespace selkie
   DirectSolver::~DirectSolver() = default;
 
   void
-  DirectSolver::solve(const Epetra_CrsMatrix &K,
-                      const unsigned int      pattern,
-                      const bool              symmetric,
-                      const Vector           &rhs,
-                      Vector                 &x)
+  DirectSolver::solve(const Matrix &K,
+                      const bool    symmetric,
+                      const Vector &rhs,
+                      Vector       &x)
   {
-    if (!analysis || analysis->pattern != pattern ||
-        analysis->symmetric != symmetric)
-      analysis = std::make_unique<Analysis>(K, pattern, symmetric);
+    if (!analysis || analysis->K != K || analysis->symmetric != symmetric)
+      analysis = std::make_unique<Analysis>(K, symmetric);
 
-    Epetra_Vector b(View, K.RangeMap(), const_cast<double *>(rhs.begin()));
-    Epetra_Vector solution(View, K.DomainMap(), x.begin());
+    const auto   &matrix = K->trilinos_matrix();
+    Epetra_Vector b(View, matrix.RangeMap(), const_cast<double *>(rhs.begin()));
+    Epetra_Vector solution(View, matrix.DomainMap(), x.begin());
     analysis->problem.SetLHS(&solution);
     analysis->problem.SetRHS(&b);
     if (analysis->failed || analysis->solver->NumericFactorization() != 0 ||

@@ -69,7 +69,7 @@ namespace selkie
                         const System<dim>  &system,
                         const SystemTraits &traits)
     {
-      const auto &matrix = system.matrix();
+      const auto &matrix = *system.shared_matrix();
       switch (kind)
         {
           case SolverKind::cg_jacobi:
@@ -135,8 +135,7 @@ namespace selkie
         report.solver    = to_string(SolverKind::direct);
         log(to_string(kind) + ": " + reason + "; the direct solver takes over");
       }
-    direct.solve(system.matrix().trilinos_matrix(),
-                 system.n_sparsity_builds(),
+    direct.solve(system.shared_matrix(),
                  traits.symmetric && !traits.mixed,
                  rhs,
                  x);
@@ -161,7 +160,7 @@ namespace selkie
                      x);
     };
     if (multigrid.preconditioner != nullptr &&
-        multigrid.pattern == system.n_sparsity_builds() &&
+        multigrid.matrix == system.shared_matrix() &&
         multigrid.acoustic_cfl == traits.acoustic_cfl &&
         multigrid.last <= multigrid.first + std::max(3u, multigrid.first / 4))
       try
@@ -173,9 +172,10 @@ namespace selkie
         {} // a new one may do better
       catch (const LinearSolverFailure &)
         {}
+    multigrid.preconditioner.reset();
+    multigrid.matrix = system.shared_matrix();
     multigrid.preconditioner =
       make_preconditioner(SolverKind::cg_ml, system, traits);
-    multigrid.pattern      = system.n_sparsity_builds();
     multigrid.acoustic_cfl = traits.acoustic_cfl;
     multigrid.first = multigrid.last = run(parameters.max_iterations);
     return multigrid.last;
@@ -190,7 +190,7 @@ namespace selkie
                              const Vector         &rhs,
                              Vector               &x)
   {
-    const auto  &matrix     = system.matrix();
+    const auto  &matrix     = *system.shared_matrix();
     const double target     = parameters.tolerance * rhs.l2_norm();
     unsigned int iterations = 0;
     Vector       residual(rhs), correction(rhs);

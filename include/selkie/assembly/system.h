@@ -111,11 +111,13 @@ namespace selkie
     dealii::TrilinosWrappers::SparseMatrix &
     matrix()
     {
-      return tangent;
+      return *tangent;
     }
 
-    const dealii::TrilinosWrappers::SparseMatrix &
-    matrix() const
+    /// The same, to be held by what a solver keeps of it: another object
+    /// whenever the pattern is built anew.
+    std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix>
+    shared_matrix() const
     {
       return tangent;
     }
@@ -153,7 +155,7 @@ namespace selkie
     dealii::types::global_dof_index n_p_global = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
-    dealii::TrilinosWrappers::SparseMatrix                     tangent;
+    std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix>    tangent;
     std::vector<int>                                           columns;
     std::size_t                                                last_hash = 0;
     unsigned int sparsity_builds                                         = 0;

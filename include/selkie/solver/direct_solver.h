@@ -2,9 +2,9 @@
 
 #include <selkie/base/types.h>
 
-#include <memory>
+#include <deal.II/lac/trilinos_sparse_matrix.h>
 
-class Epetra_CrsMatrix;
+#include <memory>
 
 namespace selkie
 {
@@ -19,16 +19,15 @@ namespace selkie
     DirectSolver();
     ~DirectSolver();
 
+    using Matrix =
+      std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix>;
+
     /// Solves K x = rhs.
-    /// @param pattern a number that changes with the pattern of K
+    /// @param K another object whenever the pattern is another
     /// @param symmetric only the lower triangle of K is read
     /// @throw LinearSolverFailure, on all ranks
     void
-    solve(const Epetra_CrsMatrix &K,
-          const unsigned int      pattern,
-          const bool              symmetric,
-          const Vector           &rhs,
-          Vector                 &x);
+    solve(const Matrix &K, const bool symmetric, const Vector &rhs, Vector &x);
 
   private:
     struct Analysis;

@@ -73,8 +73,8 @@ namespace selkie
     /// ML of the present or an earlier matrix of the same pattern.
     struct Multigrid
     {
+      DirectSolver::Matrix                  matrix; ///< ML needs it to the end
       std::unique_ptr<const Preconditioner> preconditioner;
-      unsigned int                          pattern      = 0;
       double                                acoustic_cfl = 0;
       unsigned int                          first = 0, last = 0; ///< iterations
     };
