@@ -183,6 +183,18 @@ namespace
     state.SetItemsProcessed(state.iterations() * block.table.patches.size());
   }
 
+  /// What the sampled costs of five parts add to a patch.
+  void
+  ledger_of_a_patch(benchmark::State &state)
+  {
+    CostLedger ledger({"a", "b", "c", "d", "e"});
+    for (auto _ : state)
+      if (ledger.begin_pass())
+        for (unsigned int part = 0; part < 5; ++part)
+          ledger.book(part);
+    state.SetItemsProcessed(state.iterations());
+  }
+
   void
   residual_of_a_patch(benchmark::State &state)
   {
@@ -198,6 +210,7 @@ namespace
 
 BENCHMARK(list_of_terms);
 BENCHMARK(pack_of_terms);
+BENCHMARK(ledger_of_a_patch);
 BENCHMARK(residual_of_a_patch);
 BENCHMARK(tangent_of_a_patch);
 
