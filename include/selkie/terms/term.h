@@ -77,7 +77,7 @@ namespace selkie
     {}
 
     /// Whether its tangent is symmetric, or near enough for a symmetric solver.
-    /// @param h smallest node spacing (m)
+    /// The second argument is the smallest node spacing (m).
     virtual bool
     symmetric(const Newmark & /*newmark*/, const double /*h*/) const
     {
