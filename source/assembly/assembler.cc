@@ -98,12 +98,14 @@ namespace selkie
         steps.push_back(step);
     };
     add_if(used.kinematics || used.increment, &Assembler::gather_increments);
-    add_if(used.velocity_gradient, &Assembler::gather_velocities);
+    add_if(used.velocity_gradient || used.velocity,
+           &Assembler::gather_velocities);
     add_if(used.acceleration, &Assembler::gather_accelerations);
     add_if(used.pressure, &Assembler::gather_pressures);
     add_if(used.kinematics, &Assembler::point_kinematics);
     add_if(used.velocity_gradient, &Assembler::point_velocity_gradients);
     add_if(used.pressure, &Assembler::point_pressures);
+    add_if(used.velocity, &Assembler::point_velocities);
     add_if(used.acceleration, &Assembler::point_accelerations);
     add_if(used.increment, &Assembler::point_increments);
     return steps;
@@ -225,6 +227,14 @@ namespace selkie
 
   template <int dim>
   bool
+  Assembler<dim>::point_velocities(const Patch<dim> &patch)
+  {
+    state.velocity = interpolate(patch, dense.velocity);
+    return true;
+  }
+
+  template <int dim>
+  bool
   Assembler<dim>::point_accelerations(const Patch<dim> &patch)
   {
     state.acceleration = interpolate(patch, dense.acceleration);
@@ -263,7 +273,7 @@ namespace selkie
                                               fields.v_n.local_element(i),
                                               fields.a_n.local_element(i));
     };
-    if (use.velocity_gradient)
+    if (use.velocity_gradient || use.velocity)
       update(velocity, [&](const double du, const double v, const double a) {
         return time.newmark.velocity(du, v, a);
       });

@@ -15,10 +15,10 @@ namespace selkie
   template <int dim>
   System<dim>::System(const NodeCloud<dim>      &cloud,
                       const NodeConditions<dim> &conditions,
-                      const bool                 has_fluid)
+                      const unsigned int         pressure_phases)
     : cloud(cloud)
     , conditions(conditions)
-    , has_fluid(has_fluid)
+    , pressure_phases(pressure_phases)
   {}
 
   template <int dim>
@@ -47,7 +47,7 @@ namespace selkie
       if (occupancy.active[node] != 0)
         {
           nodes.push_back(node);
-          if (has_fluid && occupancy.has_phase(node, 0))
+          if ((occupancy.active[node] & pressure_phases) != 0)
             p_nodes.push_back(node);
         }
     n_u = dim * nodes.size();
@@ -87,7 +87,7 @@ namespace selkie
     partition = std::make_shared<Utilities::MPI::Partitioner>(own, wide, comm);
 
     u_index.assign(cloud.size(), invalid_index);
-    p_index.assign(has_fluid ? cloud.size() : 0, invalid_index);
+    p_index.assign(pressure_phases != 0 ? cloud.size() : 0, invalid_index);
     is_held.assign(partition->locally_owned_size() +
                      partition->n_ghost_indices(),
                    false);
@@ -96,13 +96,22 @@ namespace selkie
         {
           u_index[node] = partition->global_to_local(
             static_cast<types::global_dof_index>(u_first.local_element(node)));
-          for (unsigned int d = 0; d < dim; ++d)
-            is_held[u_index[node] + d] = (conditions.held(node) >> d) & 1u;
-          if (has_fluid && p_first.local_element(node) >= 0.)
+          if (p_first.local_element(node) >= 0.)
             p_index[node] =
               partition->global_to_local(static_cast<types::global_dof_index>(
                 p_first.local_element(node)));
         }
+    update_held();
+  }
+
+  template <int dim>
+  void
+  System<dim>::update_held()
+  {
+    for (unsigned int node = 0; node < cloud.size(); ++node)
+      if (u_index[node] != invalid_index)
+        for (unsigned int d = 0; d < dim; ++d)
+          is_held[u_index[node] + d] = (conditions.held(node) >> d) & 1u;
   }
 
   template <int dim>
@@ -138,12 +147,12 @@ namespace selkie
     std::vector<unsigned int> seen(cloud.size(), 0);
     unsigned int              visit      = 0;
     const auto                neighbours = [&](const unsigned int         node,
-                                const bool                 fluid_only,
+                                const bool                 with_pressure,
                                 std::vector<unsigned int> &list) {
       list.clear();
       ++visit;
       for (const Patch<dim> *patch : patches_of[node])
-        if (patch->fluid || !fluid_only)
+        if (!with_pressure || ((pressure_phases >> patch->phase) & 1u))
           for (unsigned int b = 0; b < patch->n_nodes; ++b)
             {
               const unsigned int other = table.nodes[patch->first_node + b];
@@ -157,7 +166,7 @@ namespace selkie
     relevant.add_indices(partition->ghost_indices());
     DynamicSparsityPattern pattern(n_global(), n_global(), relevant);
     std::vector<types::global_dof_index> entries;
-    std::vector<unsigned int>            all_nodes, fluid_nodes;
+    std::vector<unsigned int>            all_nodes, pressure_nodes;
     for (unsigned int node = 0; node < cloud.size(); ++node)
       if (u_index[node] != invalid_index)
         {
@@ -170,14 +179,14 @@ namespace selkie
               for (const unsigned int b : u_list)
                 for (unsigned int d = 0; d < dim; ++d)
                   entries.push_back(global(u_index[b]) + d);
-              if (has_fluid)
-                for (const unsigned int b : fluid_nodes)
+              if (pressure_phases != 0)
+                for (const unsigned int b : pressure_nodes)
                   entries.push_back(global(p_index[b]));
               std::sort(entries.begin(), entries.end());
             };
           neighbours(node, false, all_nodes);
-          if (has_fluid)
-            neighbours(node, true, fluid_nodes);
+          if (pressure_phases != 0)
+            neighbours(node, true, pressure_nodes);
           set_columns(all_nodes);
           for (unsigned int d = 0; d < dim; ++d)
             {
@@ -188,7 +197,7 @@ namespace selkie
           if (pressure(node) != invalid_index)
             {
               const auto row = global(p_index[node]);
-              set_columns(fluid_nodes);
+              set_columns(pressure_nodes);
               pattern.add_entries(row, entries.begin(), entries.end(), true);
               pattern.add(row, row);
             }

@@ -37,11 +37,12 @@ namespace selkie
                       Log                   &log)
     {
       const double nonzeros = stepper.system().matrix().n_nonzero_elements();
-      log.line(
-        format("Unknowns  %llu at the start, %u a node%s",
-               report.unknowns,
-               dim,
-               scene.has_fluid() ? " and one pressure in the fluid" : ""));
+      log.line(format("Unknowns  %llu at the start, %u a node%s",
+                      report.unknowns,
+                      dim,
+                      scene.has_fluid()    ? " and one pressure in the fluid"
+                      : scene.mixed_solids ? " and one pressure"
+                                           : ""));
       log.line(
         format("Matrix    %.0f non-zeros, %.1f MB, %.0f bytes an unknown",
                nonzeros,

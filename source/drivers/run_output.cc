@@ -35,10 +35,13 @@ namespace selkie
     node_motion(const Stepper<dim> &stepper)
     {
       NodeMotion<dim> nodes;
+      nodes.cloud = &stepper.system().cloud;
       if (const auto *state = stepper.nodal_state())
-        nodes = {&stepper.system().cloud,
-                 &state->displacement,
-                 &state->velocity};
+        {
+          nodes.displacement = &state->displacement;
+          nodes.velocity     = &state->velocity;
+        }
+      nodes.pressure = stepper.nodal_pressure();
       return nodes;
     }
   } // namespace
@@ -83,8 +86,11 @@ namespace selkie
     for (const auto &active : scene.effects)
       if (auto recorder = active.effect->recorder(particles))
         recordings.push_back({std::move(recorder)});
-    present        = audit(particles);
-    initial_energy = present.energy();
+    if (scene.output.audit == AuditLevel::figures)
+      {
+        present          = audit(particles);
+        energies.initial = present->energy();
+      }
     write_fields(0., 0, nullptr, scene.time.step);
     record_effects(0., stepper, WallForces<dim>());
     start_wall = timers.wall_time();
@@ -99,14 +105,16 @@ namespace selkie
                          const StepReport<dim>  &report)
   {
     TimerTree::Scope scope(timers, "output");
-    dissipated += report.dissipated;
-    external_work += report.external_work;
-    reset_energy += report.reset_energy;
+    energies.dissipated += report.dissipated;
+    energies.external_work += report.external_work;
+    energies.of_reset += report.reset_energy;
+    energies.of_volume += report.volume_energy;
     unknowns = std::max(unknowns, report.unknowns);
-    present  = audit(particles);
+    if (present)
+      present = audit(particles);
     write_row(particles, time, dt, report);
 
-    record_effects(time.now(), stepper, WallForces<dim>{report.wall_force});
+    record_effects(time.now(), stepper, report.walls);
     const double slack = 1e-6 * scene.time.step;
     if (scene.output.interval > 0. &&
         (time.now() >= next_fields - slack || time.at_end()))
@@ -149,18 +157,28 @@ namespace selkie
     statistics.set("mean lambda iterations", report.lambda_iterations);
     statistics.set("max lambda iterations", report.max_lambda_iterations);
     statistics.set("step cuts", time.cuts());
-    set_columns(present, particles, statistics);
-    const std::string unit = dim == 2 ? " (J/m)" : " (J)";
-    statistics.set("dissipated energy" + unit, dissipated);
-    statistics.set("external work" + unit, external_work);
-    if (scene.has_fluid())
-      statistics.set("energy of J reset" + unit, reset_energy);
-    statistics.set("energy balance" + unit,
-                   present.energy() + dissipated - external_work -
-                     initial_energy);
+    if (present)
+      set_energies(particles);
     statistics.set("points removed", particles.accounting.removed);
     statistics.set("points kept at walls", particles.accounting.kept_at_wall);
     fail_together<OutputError>(comm, [&] { statistics.end_row(); });
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::set_energies(const ParticleSet<dim> &particles)
+  {
+    set_columns(*present, particles, statistics);
+    const std::string unit = dim == 2 ? " (J/m)" : " (J)";
+    statistics.set("dissipated energy" + unit, energies.dissipated);
+    statistics.set("external work" + unit, energies.external_work);
+    if (scene.has_fluid())
+      {
+        statistics.set("energy of J reset" + unit, energies.of_reset);
+        statistics.set("energy of volume correction" + unit,
+                       energies.of_volume);
+      }
+    statistics.set("energy balance" + unit, energies.balance(*present));
   }
 
   template <int dim>
@@ -184,7 +202,7 @@ namespace selkie
     mesh.cloud = &stepper->system().cloud;
     if (scene.inertia)
       mesh.scalars.emplace_back("mass", fields.mass);
-    if (scene.has_fluid())
+    if (scene.has_pressure())
       mesh.scalars.emplace_back("pressure", fields.pressure);
     if (scene.inertia)
       mesh.vectors.emplace_back("velocity", fields.velocity);
@@ -249,14 +267,15 @@ namespace selkie
     });
     log.line();
     timers.print(log);
-    const double scale = std::max({std::abs(initial_energy),
-                                   present.kinetic + present.strain,
-                                   std::abs(present.potential)});
-    log.line(
-      format("Energy    balance %.3g J (%.2g of the energy in play)",
-             present.energy() + dissipated - external_work - initial_energy,
-             (present.energy() + dissipated - external_work - initial_energy) /
-               (scale > 0. ? scale : 1.)));
+    if (!present)
+      return;
+    const double scale   = std::max({std::abs(energies.initial),
+                                     present->kinetic + present->strain,
+                                     std::abs(present->potential)});
+    const double balance = energies.balance(*present);
+    log.line(format("Energy    balance %.3g J (%.2g of the energy in play)",
+                    balance,
+                    balance / (scale > 0. ? scale : 1.)));
   }
 
   template <int dim>

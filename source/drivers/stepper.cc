@@ -1,5 +1,6 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/stepper.h>
+#include <selkie/laws/volumetric_law.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -22,16 +23,18 @@ namespace selkie
     , timers(timers)
     , conditions(scene, cloud)
     , terms(terms_of(scene))
-    , unknowns(cloud, conditions, scene.has_fluid())
+    , unknowns(cloud, conditions, scene.pressure_phases())
     , assembler(terms, unknowns)
     , linear_solver(scene.linear_solver, std::move(log))
   {
-    if (scene.has_fluid())
+    if (scene.has_pressure())
       {
         stored_pressure.reinit(cloud.partitioner());
         stored_pressure = std::numeric_limits<double>::quiet_NaN();
         stored_pressure.update_ghost_values();
       }
+    if (scene.release)
+      release = std::make_unique<NodeRelease<dim>>(scene, conditions);
     if (scene.approximation != Approximation::lme_mpm)
       q4 = std::make_unique<const Q4Support<dim>>(scene, cloud);
     if (scene.lagrangian_mesh())
@@ -69,8 +72,7 @@ namespace selkie
     TimerTree::Scope scope(timers, "supports");
     if (scene.approximation == Approximation::lme_mpm)
       {
-        const auto occupancy =
-          find_occupancy(particles, cloud, has_full_cells());
+        occupancy = find_occupancy(particles, cloud, has_full_cells());
         fill_material_points(particles, cloud, occupancy, table);
         unknowns.reinit(occupancy, table);
         return;
@@ -78,13 +80,32 @@ namespace selkie
     q4->fill_points(particles, table);
     if (nodes)
       q4->add_loaded_faces(nodes->displacement, table);
-    unknowns.reinit(q4->occupancy(table), table);
+    occupancy = q4->occupancy(table);
+    unknowns.reinit(occupancy, table);
+  }
+
+  /// What may have changed of the conditions since the last step.
+  template <int dim>
+  void
+  Stepper<dim>::prepare_conditions(const double t)
+  {
+    const bool moving =
+      std::any_of(scene.node_sets.begin(),
+                  scene.node_sets.end(),
+                  [](const auto &set) {
+                    return set.condition == NodeCondition::moving;
+                  });
+    if (moving)
+      conditions.place_sets(t);
+    if (release)
+      release->begin_step(cloud);
   }
 
   template <int dim>
   void
   Stepper<dim>::build_supports(const double t, const double dt)
   {
+    prepare_conditions(t);
     fill_supports();
     {
       TimerTree::Scope scope(timers, "projection");
@@ -102,10 +123,16 @@ namespace selkie
         TimerTree::Scope scope(timers, "supports");
         Vector           pressure(cloud.partitioner());
         store_pressure(unknowns, fields, pressure);
-        add_gauss_points(particles, cloud, pressure, table);
+        add_gauss_points(cloud, pressure, gauss_supports, table);
+      }
+    if (scene.approximation == Approximation::lme_mpm && scene.wall_points)
+      {
+        TimerTree::Scope scope(timers, "supports");
+        add_wall_points(cloud, *scene.wall_points, table);
       }
     if (scene.has_fluid() && !scene.lagrangian_mesh())
-      correct_volume(*scene.fluid_pressure, unknowns, table);
+      volume = correct_volume(
+        *scene.fluid_pressure, dt, volume_excess, occupancy, unknowns, table);
   }
 
   template <int dim>
@@ -121,9 +148,8 @@ namespace selkie
                    body.law->sound_speed() * newmark.dt / h);
         if (body.law->phase() == Phase::solid)
           traits.has_solid = true;
-        else
-          traits.mixed = true;
       }
+    traits.mixed = scene.has_pressure();
     for (const auto &term : terms)
       traits.symmetric = traits.symmetric && term->symmetric(newmark, h);
     return traits;
@@ -302,31 +328,13 @@ namespace selkie
 
     Vector residual;
     unknowns.initialize(residual);
-    scale_u       = residual_scale(time.newmark);
-    scale_p       = 0.;
-    pressure_unit = 1.;
-    if (scene.has_fluid())
-      {
-        double volume = 0.;
-        for (const unsigned int node : unknowns.owned_pressure_nodes())
-          volume += std::pow(cloud.volume(node), 2);
-        scale_p =
-          std::sqrt(Utilities::MPI::sum(volume, particles.communicator()));
-        for (const auto &body : scene.bodies)
-          if (body.law->phase() == Phase::fluid)
-            pressure_unit = std::max(pressure_unit,
-                                     body.law->density() *
-                                       std::pow(cloud.smallest_spacing(), 2) *
-                                       time.newmark.alpha1);
-      }
+    scale_u = residual_scale(time.newmark);
+    set_pressure_scales(time.newmark);
 
     StepReport<dim> report;
     {
       TimerTree::Scope scope(timers, "newton");
-      choose_first_guess(time);
-      report.newton = newton(newton_problem(time), scene.newton, fields.x);
-      assembler.assemble(table, time, fields, pressure_unit, false, residual);
-      fields.x.update_ghost_values();
+      report.newton = solve(time, residual);
       collect(time, residual, report);
     }
     TimerTree::Scope scope(timers, "update");
@@ -334,9 +342,64 @@ namespace selkie
       advance(particles, table, unknowns, time.newmark, fields).reset_energy;
     if (nodes)
       nodes->keep(unknowns, time.newmark, fields);
-    if (scene.has_fluid())
+    if (scene.has_pressure())
       store_pressure(unknowns, fields, stored_pressure);
+    volume_excess = volume.excess;
+    if (release)
+      release->end_step();
     return report;
+  }
+
+  /// The sizes of volumes and pressures in play.
+  template <int dim>
+  void
+  Stepper<dim>::set_pressure_scales(const Newmark &newmark)
+  {
+    scale_p       = 0.;
+    pressure_unit = 1.;
+    if (!scene.has_pressure())
+      return;
+    double sum = 0.;
+    for (const unsigned int node : unknowns.owned_pressure_nodes())
+      sum += std::pow(cloud.volume(node), 2);
+    scale_p = std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
+    for (const auto &body : scene.bodies)
+      if (body.law->phase() == Phase::fluid)
+        pressure_unit =
+          std::max(pressure_unit,
+                   body.law->density() * std::pow(cloud.smallest_spacing(), 2) *
+                     newmark.alpha1);
+  }
+
+  /// Newton, and again while walls let nodes go or catch them. The residual is
+  /// that of the solution.
+  template <int dim>
+  NewtonResult
+  Stepper<dim>::solve(const StepTime &time, Vector &residual)
+  {
+    choose_first_guess(time);
+    NewtonResult total;
+    bool         again = false;
+    do
+      {
+        const auto result =
+          newton(newton_problem(time), scene.newton, fields.x);
+        total.iterations += result.iterations;
+        total.linear_iterations += result.linear_iterations;
+        total.errors.insert(total.errors.end(),
+                            result.errors.begin(),
+                            result.errors.end());
+        assembler.assemble(table, time, fields, pressure_unit, false, residual);
+        fields.x.update_ghost_values();
+        // A pull that Newton's tolerance could explain is none.
+        again =
+          release && release->correct(occupancy,
+                                      residual,
+                                      10. * scene.newton.tolerance * scale_u,
+                                      unknowns,
+                                      fields);
+    } while (again);
+    return total;
   }
 
   template <int dim>
@@ -346,7 +409,8 @@ namespace selkie
                         StepReport<dim> &report)
   {
     const MPI_Comm comm = particles.communicator();
-    report.wall_force.assign(2 * dim, Tensor<1, dim>());
+    report.walls.force.assign(2 * dim, Tensor<1, dim>());
+    report.walls.moment.assign(2 * dim, Tensor<1, 3>());
     double reaction_work = 0., speed = 0.;
     for (const unsigned int node : unknowns.owned_nodes())
       {
@@ -366,20 +430,29 @@ namespace selkie
               if ((walls >> w) & 1u)
                 if (wall == 2 * dim || w / 2 == d)
                   wall = w;
-            if (wall < 2 * dim)
-              report.wall_force[wall][d] -= R;
+            if (wall == 2 * dim)
+              continue;
+            Tensor<1, 3> force, arm;
+            force[d] = -R;
+            for (unsigned int i = 0; i < dim; ++i)
+              arm[i] = cloud.position(node)[i];
+            report.walls.force[wall][d] -= R;
+            report.walls.moment[wall] += cross_product_3d(arm, force);
           }
         speed = std::max(speed, std::sqrt(v2));
       }
-    for (auto &force : report.wall_force)
+    for (auto &force : report.walls.force)
       force = Utilities::MPI::sum(force, comm);
+    for (auto &moment : report.walls.moment)
+      moment = Utilities::MPI::sum(moment, comm);
     report.largest_speed = Utilities::MPI::max(speed, comm);
     const auto powers    = assembler.powers(table, time, fields);
     report.dissipated    = powers.dissipation * time.newmark.dt;
     report.external_work =
       powers.external_work + Utilities::MPI::sum(reaction_work, comm);
-    report.unknowns = unknowns.n_global();
-    report.patches  = Utilities::MPI::sum(table.patches.size(), comm);
+    report.volume_energy = Utilities::MPI::sum(volume.energy, comm);
+    report.unknowns      = unknowns.n_global();
+    report.patches       = Utilities::MPI::sum(table.patches.size(), comm);
     report.lambda_iterations =
       double(Utilities::MPI::sum(table.newton_iterations, comm)) /
       Utilities::MPI::sum(table.points.size(), comm);
@@ -472,7 +545,7 @@ namespace selkie
         for (auto &component : result.velocity)
           component.reinit(cloud.partitioner());
       }
-    if (scene.has_fluid())
+    if (scene.has_pressure())
       result.pressure.reinit(cloud.partitioner());
     for (const unsigned int node : unknowns.owned_nodes())
       {
@@ -507,7 +580,7 @@ namespace selkie
         fields["velocity " + axis]     = &nodes->velocity[d];
         fields["acceleration " + axis] = &nodes->acceleration[d];
       }
-    if (scene.has_fluid())
+    if (scene.has_pressure())
       fields["pressure"] = &stored_pressure;
     return fields;
   }

@@ -34,28 +34,89 @@ namespace selkie
   {
     const double J = invariants.J;
     check_not_inverted(J);
-    const double K = lame.Lambda + 2. / 3. * lame.G;
+    const double K = bulk_modulus();
     return 0.5 * lame.G * (std::pow(J, -2. / 3.) * invariants.I1 - 3.) +
            0.25 * K * (J * J - 1. - 2. * std::log(J));
+  }
+
+
+  EnergyDerivatives
+  IsochoricNeoHookean::shape_derivatives(const Invariants &invariants) const
+  {
+    const double J = invariants.J;
+    check_not_inverted(J);
+    const double shape = std::pow(J, -2. / 3.);
+
+    EnergyDerivatives w;
+    w.W1  = 0.5 * lame.G * shape;
+    w.W1J = -1. / 3. * lame.G * shape / J;
+    w.WJ  = -1. / 3. * lame.G * shape / J * invariants.I1;
+    w.WJJ = 5. / 9. * lame.G * shape / (J * J) * invariants.I1;
+    return w;
+  }
+
+
+  HyperelasticResponse
+  IsochoricNeoHookean::shape_response(const Invariants &invariants) const
+  {
+    return response_from(shape_derivatives(invariants), invariants);
   }
 
 
   HyperelasticResponse
   IsochoricNeoHookean::response(const Invariants &invariants) const
   {
-    const double J = invariants.J;
-    check_not_inverted(J);
-    const double K     = lame.Lambda + 2. / 3. * lame.G;
-    const double shape = std::pow(J, -2. / 3.);
-
-    EnergyDerivatives w;
-    w.W1  = 0.5 * lame.G * shape;
-    w.W1J = -1. / 3. * lame.G * shape / J;
-    w.WJ =
-      -1. / 3. * lame.G * shape / J * invariants.I1 + 0.5 * K * (J - 1. / J);
-    w.WJJ = 5. / 9. * lame.G * shape / (J * J) * invariants.I1 +
-            0.5 * K * (1. + 1. / (J * J));
+    EnergyDerivatives w = shape_derivatives(invariants);
+    w.WJ -= pressure(invariants.J);
+    w.WJJ -= dpressure_dJ(invariants.J);
     return response_from(w, invariants);
+  }
+
+
+  double
+  IsochoricNeoHookean::pressure(const double J) const
+  {
+    check_not_inverted(J);
+    return -0.5 * bulk_modulus() * (J - 1. / J);
+  }
+
+
+  double
+  IsochoricNeoHookean::dpressure_dJ(const double J) const
+  {
+    check_not_inverted(J);
+    return -0.5 * bulk_modulus() * (1. + 1. / (J * J));
+  }
+
+
+  /// The positive root of J^2 + 2 (p/K) J - 1.
+  double
+  IsochoricNeoHookean::J_of_pressure(const double p) const
+  {
+    const double s = p / bulk_modulus();
+    return std::sqrt(1. + s * s) - s;
+  }
+
+
+  double
+  IsochoricNeoHookean::dJ_dpressure(const double p) const
+  {
+    const double s = p / bulk_modulus();
+    return (s / std::sqrt(1. + s * s) - 1.) / bulk_modulus();
+  }
+
+
+  double
+  IsochoricNeoHookean::bulk_modulus() const
+  {
+    return lame.Lambda + 2. / 3. * lame.G;
+  }
+
+
+  double
+  IsochoricNeoHookean::shear_stiffness(const double) const
+  {
+    return lame.G;
   }
 
   LawRow

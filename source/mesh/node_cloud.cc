@@ -505,18 +505,6 @@ namespace selkie
 
 
   template <int dim>
-  bool
-  NodeCloud<dim>::equally_spaced(const unsigned int *nodes,
-                                 const unsigned int  n) const
-  {
-    return std::all_of(nodes, nodes + n, [&](const unsigned int node) {
-      return std::abs(spacings[node] - spacings[nodes[0]]) <
-             1e-10 * spacings[nodes[0]];
-    });
-  }
-
-
-  template <int dim>
   double
   NodeCloud<dim>::smallest_spacing() const
   {

@@ -2,15 +2,42 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/output/audit.h>
 #include <selkie/output/probes.h>
+#include <selkie/scene/check_scene.h>
 
+#include <deal.II/base/geometry_info.h>
 #include <deal.II/base/mpi.templates.h> // all_reduce of own types
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 namespace selkie
 {
+  namespace
+  {
+    /// A vector of the plane or of space, in space.
+    template <int dim>
+    dealii::Tensor<1, 3>
+    in_space(const dealii::Tensor<1, dim> &a)
+    {
+      dealii::Tensor<1, 3> result;
+      for (unsigned int i = 0; i < dim; ++i)
+        result[i] = a[i];
+      return result;
+    }
+
+    template <int dim>
+    dealii::Tensor<1, dim>
+    not_a_number()
+    {
+      dealii::Tensor<1, dim> result;
+      for (unsigned int i = 0; i < dim; ++i)
+        result[i] = std::numeric_limits<double>::quiet_NaN();
+      return result;
+    }
+  } // namespace
+
   template <int dim>
   Probes<dim>::Sums::Sums()
   {
@@ -112,6 +139,9 @@ namespace selkie
           return columns.body(properties) == probe.body;
         case Kind::node:
         case Kind::wall_force:
+        case Kind::wall_pressure:
+        case Kind::height:
+        case Kind::body_force:
         case Kind::error:
           return false;
       }
@@ -203,7 +233,7 @@ namespace selkie
                         const NodeMotion<dim> &nodes,
                         Statistics            &table) const
   {
-    if (nodes.cloud == nullptr)
+    if (nodes.displacement == nullptr)
       throw SceneError("the probe '" + probe.name + "' is that of a node");
     // Where several are equally near: the one of the smallest global number.
     using dealii::Utilities::MPI::min;
@@ -238,6 +268,138 @@ namespace selkie
     node.x = sum(x, comm);
     node.v = sum(v, comm);
     set_means(node, table);
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::set_force(const Probe<dim>             &probe,
+                         const dealii::Tensor<1, dim> &force,
+                         const dealii::Tensor<1, 3>   &moment_about_origin,
+                         Statistics                   &table) const
+  {
+    for (unsigned int i = 0; i < dim; ++i)
+      table.set(component_column("force", i, dim == 2 ? "N/m" : "N"), force[i]);
+    const auto moment =
+      moment_about_origin -
+      dealii::cross_product_3d(in_space(probe.position), in_space(force));
+    for (unsigned int i = (dim == 2 ? 2 : 0); i < 3; ++i)
+      table.set(component_column("moment", i, dim == 2 ? "N" : "N m"),
+                moment[i]);
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::set_body_force(const Probe<dim> &probe, Statistics &table) const
+  {
+    const auto            &columns = particles.columns;
+    const auto            &gravity = particles.scene.gravity;
+    dealii::Tensor<1, dim> force;
+    dealii::Tensor<1, 3>   moment;
+    for (const auto &point : particles.handler())
+      {
+        const auto properties = point.get_properties();
+        if (columns.body(properties) != probe.body)
+          continue;
+        dealii::Tensor<1, dim> F = columns.a(properties);
+        if (gravity)
+          F -= *gravity;
+        F *= columns.mass(properties);
+        force += F;
+        moment +=
+          dealii::cross_product_3d(in_space(point.get_location()), in_space(F));
+      }
+    const MPI_Comm comm = particles.communicator();
+    set_force(probe,
+              dealii::Utilities::MPI::sum(force, comm),
+              dealii::Utilities::MPI::sum(moment, comm),
+              table);
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::set_height(const Probe<dim> &probe, Statistics &table) const
+  {
+    const double radius =
+      probe.radius > 0. ? probe.radius : cell_size(particles.scene.domain);
+    double height = -std::numeric_limits<double>::infinity();
+    for (const auto &point : particles.handler())
+      {
+        if (particles.columns.body(point.get_properties()) != probe.body)
+          continue;
+        auto away        = point.get_location() - probe.position;
+        away[probe.axis] = 0.;
+        if (away.norm() <= radius)
+          height = std::max(height, point.get_location()[probe.axis]);
+      }
+    height = dealii::Utilities::MPI::max(height, particles.communicator());
+    table.set(component_column("height", probe.axis, "m"),
+              std::isfinite(height) ? height
+                                    : std::numeric_limits<double>::quiet_NaN());
+  }
+
+
+  template <int dim>
+  void
+  Probes<dim>::set_wall_pressure(const Probe<dim>      &probe,
+                                 const NodeMotion<dim> &nodes,
+                                 Statistics            &table) const
+  {
+    const auto            gauge = probe.shape->bounding_box();
+    const unsigned int    d     = probe.wall / 2;
+    std::array<double, 3> sums{}; // area, area of the wet part, force
+    double                largest = 0.;
+    for (const auto &cell :
+         nodes.cloud->dof_handler().get_triangulation().active_cell_iterators())
+      {
+        if (!cell->is_locally_owned() || !cell->at_boundary(probe.wall))
+          continue;
+        const auto         box  = cell->bounding_box();
+        double             area = 1.;
+        dealii::Point<dim> middle; // of what the face shares with the gauge
+        for (unsigned int i = 0; i < dim; ++i)
+          if (i == d)
+            middle[i] =
+              probe.wall % 2 == 0 ? box.lower_bound(i) : box.upper_bound(i);
+          else
+            {
+              const double from =
+                std::max(box.lower_bound(i), gauge.lower_bound(i));
+              const double to =
+                std::min(box.upper_bound(i), gauge.upper_bound(i));
+              area *= std::max(0., to - from);
+              middle[i] = 0.5 * (from + to);
+            }
+        if (area <= 0.)
+          continue;
+        // The middle's value is the mean of what is linear along the edges.
+        const auto corners = nodes.cloud->corners(cell);
+        const auto unit    = box.real_to_unit(middle);
+        double     p = 0., wet = 0.;
+        for (unsigned int v = 0; v < corners.size(); ++v)
+          {
+            const double value = nodes.pressure->local_element(corners[v]);
+            if (std::isnan(value))
+              continue;
+            const double hat =
+              dealii::GeometryInfo<dim>::d_linear_shape_function(unit, v);
+            p += hat * value;
+            wet += hat;
+          }
+        sums[0] += area;
+        sums[1] += area * wet;
+        sums[2] += area * p;
+        largest = std::max(largest, p);
+      }
+    const MPI_Comm comm = particles.communicator();
+    for (double &sum : sums)
+      sum = dealii::Utilities::MPI::sum(sum, comm);
+    table.set("mean pressure (Pa)", sums[2] / sums[0]);
+    table.set("largest pressure (Pa)",
+              dealii::Utilities::MPI::max(largest, comm));
+    table.set("wet share", sums[1] / sums[0]);
   }
 
 
@@ -305,11 +467,22 @@ namespace selkie
               set_node(probe, nodes, table);
               break;
             case Kind::wall_force:
-              for (unsigned int i = 0; i < dim; ++i)
-                table.set(component_column("force", i, dim == 2 ? "N/m" : "N"),
-                          probe.wall < walls.force.size()
-                            ? walls.force[probe.wall][i]
-                            : std::numeric_limits<double>::quiet_NaN());
+              if (probe.wall < walls.force.size())
+                set_force(probe,
+                          walls.force[probe.wall],
+                          walls.moment[probe.wall],
+                          table);
+              else
+                set_force(probe, not_a_number<dim>(), not_a_number<3>(), table);
+              break;
+            case Kind::wall_pressure:
+              set_wall_pressure(probe, nodes, table);
+              break;
+            case Kind::height:
+              set_height(probe, table);
+              break;
+            case Kind::body_force:
+              set_body_force(probe, table);
               break;
             case Kind::front:
               table.set(component_column("front", probe.axis, "m"),

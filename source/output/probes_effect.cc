@@ -32,13 +32,22 @@ namespace selkie
          {"node", Kind::node},
          {"region", Kind::region},
          {"wall force", Kind::wall_force},
+         {"wall pressure", Kind::wall_pressure},
+         {"height", Kind::height},
+         {"body force", Kind::body_force},
          {"front", Kind::front},
          {"extent", Kind::extent},
          {"error", Kind::error}},
         "`point` is the mean of the material points that start within "
         "Radius of Position, `node` the node of a finite element mesh "
         "(`q4 fem`) that starts nearest to Position, `region` of those that start in Shape, "
-        "`wall force` the reaction of Wall, `front` the largest "
+        "`wall force` the force on Wall and its moment about Position, `wall "
+        "pressure` a gauge: the mean of the fluid's pressure over the part of "
+        "Wall inside the box around Shape, and how much of it is wet, `height` "
+        "how far Body reaches along Axis within Radius of the line through "
+        "Position, `body force` the force of all its surroundings on Body, "
+        "from the acceleration of its points less gravity, and its moment "
+        "about Position, `front` the largest "
         "coordinate along Axis that Body reaches, `extent` the "
         "smallest and largest coordinates, volume and centroid of "
         "Body, `error` how far Body's Quantity is from Function: the norm "
@@ -46,29 +55,32 @@ namespace selkie
         "the largest. Units: none.");
       prm.add_parameter("Position",
                         probe.position,
-                        "For `point` and `node`. Units: m.");
+                        "For `point`, `node`, `height` and moments. Units: "
+                        "m.");
       prm.add_parameter("Radius",
                         probe.radius,
-                        "For `point`; 0 means one cell. Units: m.",
+                        "For `point` and `height`; 0 means one cell. Units: m.",
                         Patterns::Double(0.));
       add_shape(prm,
                 "Shape",
                 probe.shape,
-                "For `region`; written as a body's shape. Units: m.");
+                "For `region` and `wall pressure`; written as a body's shape. "
+                "Units: m.");
       add_index(prm,
                 "Wall",
                 probe.wall,
                 wall_names<dim>(),
                 "wall",
-                "For `wall force`: left, right, bottom, top, front, back. "
-                "Units: none.");
-      add_index(prm,
-                "Body",
-                probe.body,
-                names.bodies,
-                "body",
-                "For `front`, `extent` and `error`; the default is the first "
-                "one. Units: none.");
+                "For `wall force` and `wall pressure`: left, right, bottom, "
+                "top, front, back. Units: none.");
+      add_index(
+        prm,
+        "Body",
+        probe.body,
+        names.bodies,
+        "body",
+        "For `front`, `extent`, `height`, `body force` and `error`; the "
+        "default is the first one. Units: none.");
       add_choice<unsigned int>(
         prm,
         "Axis",
@@ -78,7 +90,7 @@ namespace selkie
                  : std::vector<std::pair<std::string, unsigned int>>{{"x", 0},
                                                                      {"y", 1},
                                                                      {"z", 2}},
-        "For `front`. Units: none.");
+        "For `front` and `height`. Units: none.");
       add_choice(prm,
                  "Quantity",
                  probe.quantity,
@@ -92,6 +104,32 @@ namespace selkie
                    "Y, Z, x, y, z, t per component, separated by semicolons. "
                    "Units: m or m/s.");
       prm.leave_subsection();
+    }
+
+
+    template <int dim>
+    void
+    check_gauge(const Scene<dim> &scene, const Probe<dim> &probe)
+    {
+      const std::string path = "Probes/" + probe.name + "/";
+      if (!scene.has_fluid())
+        fail(scene, path + "Kind", "a gauge needs a fluid");
+      if (scene.lagrangian_mesh())
+        fail(scene,
+             path + "Kind",
+             "the mesh of 'q4 fem' does not stay at the wall; allowed is 'wall "
+             "force'");
+      const unsigned int d   = probe.wall / 2;
+      const auto         box = probe.shape->bounding_box();
+      const double       plane =
+        probe.wall % 2 == 0 ? scene.domain.lower[d] : scene.domain.upper[d];
+      const double h = cell_size(scene.domain);
+      if (box.lower_bound(d) > plane + 1e-9 * h ||
+          box.upper_bound(d) < plane - 1e-9 * h)
+        fail(scene,
+             path + "Shape",
+             "the box around the shape does not reach the wall '" +
+               wall_names<dim>()[probe.wall] + "'");
     }
 
 
@@ -132,8 +170,18 @@ namespace selkie
         for (const auto &probe : scene.probes)
           {
             const std::string path = "Probes/" + probe.name + "/";
-            if (probe.kind == Kind::region && !probe.shape)
-              fail(scene, path + "Shape", "a region probe needs a shape");
+            if ((probe.kind == Kind::region ||
+                 probe.kind == Kind::wall_pressure) &&
+                !probe.shape)
+              fail(scene, path + "Shape", "such a probe needs a shape");
+            if (probe.kind == Kind::wall_pressure)
+              check_gauge(scene, probe);
+            if (probe.kind == Kind::body_force && !scene.inertia)
+              fail(scene,
+                   path + "Kind",
+                   "the force on a body follows from its acceleration, and a "
+                   "scene without the effect 'inertia' has none; allowed is "
+                   "'wall force'");
             if (probe.kind == Kind::error && !probe.function)
               fail(scene,
                    path + "Function",

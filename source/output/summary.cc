@@ -111,7 +111,8 @@ namespace selkie
     json.add("matrix nonzeros", summary.nonzeros);
     json.add("steps", summary.steps);
     json.add("final time (s)", summary.end_time);
-    json.add("final figures", to_json(summary.audit));
+    if (summary.audit)
+      json.add("final figures", to_json(*summary.audit));
     json.add("material points", to_json(summary.accounting));
     json.add("wall time (s)", summary.wall_time);
     json.add("assembly by effect", to_json(summary.costs));

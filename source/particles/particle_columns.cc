@@ -50,6 +50,7 @@ namespace selkie
     for (const auto &active : scene.effects)
       active.effect->add_columns(scene, fields);
     X             = fields.find<Vector>("reference position");
+    pressure      = fields.find<double>("pressure");
     mean_J        = fields.find<double>("mean volume ratio");
     traction_area = fields.find<double>("traction area");
   }

@@ -180,6 +180,30 @@ namespace selkie
     accounting.seeded      = points.n_global_particles();
     accounting.seeded_mass = dealii::Utilities::MPI::sum(mass, communicator());
     rebalance();
+    displace_at_start();
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::displace_at_start()
+  {
+    bool                                any = false;
+    std::vector<dealii::Tensor<1, dim>> displacements;
+    for (const auto &body : scene.bodies)
+      any = any || body.initial_displacement;
+    if (!any)
+      return;
+    for (const auto &point : points)
+      {
+        const auto b =
+          static_cast<unsigned int>(columns.body(point.get_properties()));
+        const auto &function = scene.bodies[b].initial_displacement;
+        const auto  X        = point.get_location();
+        displacements.push_back(function ? function->value(X, 0., X)
+                                         : dealii::Tensor<1, dim>());
+      }
+    move(displacements);
   }
 
 

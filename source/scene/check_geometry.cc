@@ -121,6 +121,10 @@ namespace selkie
       const std::string path = "Bodies/" + body.name + "/Shape";
       if (!body.shape)
         fail(scene, path, "the body needs a shape");
+      if (body.initial_displacement && body.phase != 0)
+        fail(scene,
+             "Bodies/" + body.name + "/Initial displacement",
+             "allowed is one of a fluid only: a solid would be strained");
       const auto   domain    = box_of(scene.domain);
       const auto   box       = body.shape->bounding_box();
       const double tolerance = 1e-9 * cell_size(scene.domain);
@@ -238,7 +242,7 @@ namespace selkie
           fail(scene,
                condition_path,
                "a velocity is given, so allowed is only 'prescribed'");
-        moves = moves || prescribed;
+        moves = moves || prescribed || condition == NodeCondition::moving;
       };
       const auto names = wall_names<dim>();
       for (unsigned int w = 0; w < names.size(); ++w)
@@ -247,15 +251,24 @@ namespace selkie
               "Domain/Walls/" + names[w] + " velocity",
               "Domain/Walls/" + names[w]);
       for (const auto &set : scene.node_sets)
-        check(set.condition,
-              set.velocity != nullptr,
-              "Node sets/" + set.name + "/Velocity",
-              "Node sets/" + set.name + "/Condition");
+        {
+          const std::string path = "Node sets/" + set.name;
+          check(set.condition,
+                set.velocity != nullptr,
+                path + "/Velocity",
+                path + "/Condition");
+          if ((set.condition == NodeCondition::moving) != (set.path != nullptr))
+            fail(scene,
+                 path + "/Path",
+                 "a path goes with the condition 'moving', and that with a "
+                 "path");
+        }
       if (moves && !scene.has_effect("prescribed motion"))
-        fail(scene,
-             "Effects",
-             "a wall or a node set is 'prescribed'; that needs the effect "
-             "'prescribed motion'");
+        fail(
+          scene,
+          "Effects",
+          "a wall or a node set is 'prescribed' or 'moving'; that needs the effect "
+          "'prescribed motion'");
     }
   } // namespace
 

@@ -1,9 +1,11 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/scene/check_scene.h>
+#include <selkie/scene/declare_scene.h>
 #include <selkie/scene/parameter_file.h>
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -137,6 +139,43 @@ namespace selkie
 
   template <int dim>
   void
+  check_walls(const Scene<dim>                 &scene,
+              const std::string                &path,
+              const std::array<bool, 2 * dim>  &walls,
+              const std::vector<NodeCondition> &allowed)
+  {
+    const auto names = [](const NodeCondition condition) {
+      return condition == NodeCondition::slip    ? "slip"
+             : condition == NodeCondition::fixed ? "fixed"
+                                                 : "prescribed";
+    };
+    std::string kinds;
+    for (const NodeCondition condition : allowed)
+      kinds += (kinds.empty() ? "" : " or ") + std::string(names(condition));
+    const auto found = scene.parameters.find(path);
+    const bool listed =
+      found != scene.parameters.end() && !found->second.value.empty();
+    bool any = false;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (walls[w])
+        {
+          const bool good =
+            std::find(allowed.begin(),
+                      allowed.end(),
+                      scene.domain.walls[w].condition) != allowed.end();
+          if (listed && !good)
+            fail(scene,
+                 path,
+                 "the wall '" + wall_names<dim>()[w] + "' is not " + kinds);
+          any = any || good;
+        }
+    if (!any)
+      fail(scene, path, "no wall of the scene is " + kinds);
+  }
+
+
+  template <int dim>
+  void
   fail_without_need(const Scene<dim>  &scene,
                     const std::string &effect,
                     const std::string &path,
@@ -198,4 +237,14 @@ namespace selkie
   check_scene(const Scene<2> &);
   template void
   check_scene(const Scene<3> &);
+  template void
+  check_walls<2>(const Scene<2> &,
+                 const std::string &,
+                 const std::array<bool, 4> &,
+                 const std::vector<NodeCondition> &);
+  template void
+  check_walls<3>(const Scene<3> &,
+                 const std::string &,
+                 const std::array<bool, 6> &,
+                 const std::vector<NodeCondition> &);
 } // namespace selkie

@@ -66,6 +66,13 @@ namespace selkie
                    body.initial_velocity,
                    "One function of x, y, z per component, separated by "
                    "semicolons; at rest if empty. Units: m/s.");
+      add_function(prm,
+                   "Initial displacement",
+                   body.initial_displacement,
+                   "Of the points of a fluid from their lattice to where they "
+                   "start, at no cost of volume: one function of X, Y, Z per "
+                   "component, separated by semicolons; e.g. a wave. Units: "
+                   "m.");
       declare_law(prm, law, viscous);
       prm.leave_subsection();
     }
@@ -106,9 +113,12 @@ namespace selkie
                  "Condition",
                  set.condition,
                  {{"fixed", NodeCondition::fixed},
-                  {"prescribed", NodeCondition::prescribed}},
-                 "Held in place, or moved with a velocity (effect `prescribed "
-                 "motion`). Units: none.");
+                  {"prescribed", NodeCondition::prescribed},
+                  {"moving", NodeCondition::moving}},
+                 "Held in place; moved with a velocity; or, for a shape that "
+                 "moves through the mesh (a piston, a rigid obstacle), held to "
+                 "the velocity of that shape. The last two need the effect "
+                 "`prescribed motion`. Units: none.");
       prm.declare_entry("Components",
                         dim == 2 ? "x, y" : "x, y, z",
                         Patterns::Anything(),
@@ -122,6 +132,12 @@ namespace selkie
                    set.velocity,
                    "If `prescribed`: one function of x, y, z, t per component, "
                    "separated by semicolons. Units: m/s.");
+      add_function(prm,
+                   "Path",
+                   set.path,
+                   "If `moving`: how far the shape has moved from where it is "
+                   "written, one function of t per component, separated by "
+                   "semicolons. Units: m.");
       prm.leave_subsection();
     }
   } // namespace

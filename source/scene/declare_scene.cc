@@ -378,6 +378,14 @@ namespace selkie
                         output.mesh,
                         "Whether the pictures include the mesh with the nodal "
                         "fields. Units: none.");
+      add_choice(
+        prm,
+        "Audit",
+        output.audit,
+        {{"figures", AuditLevel::figures}, {"none", AuditLevel::none}},
+        "figures: energies and their balance, momentum, mass, volume "
+        "and the limits of J, summed over all points after every step; "
+        "none: no such pass and none of its columns. Units: none.");
       prm.leave_subsection();
     }
   } // namespace
@@ -417,6 +425,27 @@ namespace selkie
   {
     return has_phase(laws, Phase::solid);
   }
+
+
+  template <int dim>
+  void
+  add_walls(ParameterHandler          &prm,
+            std::array<bool, 2 * dim> &walls,
+            const std::string         &documentation)
+  {
+    walls.fill(true);
+    prm.declare_entry("Walls", "", Patterns::Anything(), documentation);
+    prm.add_action("Walls", [&walls](const std::string &text) {
+      walls.fill(text.empty());
+      for (const auto &item : split_list(text))
+        walls[index_of(item, wall_names<dim>(), "wall")] = true;
+    });
+  }
+
+  template void
+  add_walls<2>(ParameterHandler &, std::array<bool, 4> &, const std::string &);
+  template void
+  add_walls<3>(ParameterHandler &, std::array<bool, 6> &, const std::string &);
 
 
   template <int dim>

@@ -30,11 +30,13 @@ namespace selkie
       if (columns.X.exists())
         point.X = Point<dim>(columns.X(properties));
       if (columns.traction_area.exists())
-        point.traction_area = columns.traction_area(properties);
+        point.area = columns.traction_area(properties);
       if (columns.F.exists())
         point.F_n = columns.F(properties);
       if (point.law->phase() == Phase::fluid)
         point.J_n = columns.J(properties);
+      else if (particles.scene.mixed_solids)
+        point.J_n = determinant(point.F_n);
       return point;
     }
   } // namespace

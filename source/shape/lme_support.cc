@@ -3,9 +3,13 @@
 #include <selkie/shape/lme.h>
 #include <selkie/shape/lme_support.h>
 
+#include <deal.II/base/qprojector.h>
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 
 namespace selkie
 {
@@ -69,21 +73,71 @@ namespace selkie
 
     template <int dim>
     bool
-    is_full(const NodeCloud<dim>    &cloud,
-            const Occupancy<dim>    &occupancy,
-            const SupportTable<dim> &table,
-            const Patch<dim>        &patch)
+    is_full(const NodeCloud<dim> &cloud,
+            const Occupancy<dim> &occupancy,
+            const Patch<dim>     &patch)
     {
       if (!patch.fluid || occupancy.enclosed.empty())
-        return false;
-      // Beside hanging nodes the sums over Gauss points and over material
-      // points differ too much.
-      if (!cloud.equally_spaced(&table.nodes[patch.first_node], patch.n_nodes))
         return false;
       const auto corners = cloud.corners(patch.cell);
       return std::all_of(corners.begin(), corners.end(), [&](const auto node) {
         return occupancy.enclosed[node];
       });
+    }
+
+    /// 2^dim Gauss points for each spacing of the nodes that reach into the
+    /// cell: functions of finer nodes are steeper.
+    template <int dim>
+    const Quadrature<dim> &
+    gauss_points(const NodeCloud<dim>    &cloud,
+                 const SupportTable<dim> &table,
+                 const Patch<dim>        &patch)
+    {
+      static const std::array<Quadrature<dim>, 4> rules = {
+        {QIterated<dim>(QGauss<1>(2), 1),
+         QIterated<dim>(QGauss<1>(2), 2),
+         QIterated<dim>(QGauss<1>(2), 3),
+         QIterated<dim>(QGauss<1>(2), 4)}};
+      double finest = std::numeric_limits<double>::max();
+      for (unsigned int a = 0; a < patch.n_nodes; ++a)
+        finest =
+          std::min(finest, cloud.spacing(table.nodes[patch.first_node + a]));
+      const double ratio = patch.cell->extent_in_direction(0) / finest;
+      return rules[std::clamp(static_cast<int>(std::lround(ratio)), 1, 4) - 1];
+    }
+
+    /// Shape functions of a full cell's patch, computed or, if its nodes are
+    /// those of the last time, copied.
+    template <int dim>
+    void
+    evaluate_full_cell(const NodeCloud<dim> &cloud,
+                       GaussSupports<dim>   &known,
+                       Patch<dim>           &patch,
+                       SupportTable<dim>    &table)
+    {
+      auto                     &cell  = known.of(patch.cell);
+      const unsigned int *const nodes = &table.nodes[patch.first_node];
+      const unsigned int size = patch.n_points * (dim + 1) * patch.n_padded;
+      if (cell.values.size() == size && std::equal(cell.nodes.begin(),
+                                                   cell.nodes.end(),
+                                                   nodes,
+                                                   nodes + patch.n_nodes))
+        {
+          patch.data = table.data.size();
+          table.data.resize_fast(patch.data + size);
+          std::copy(cell.values.begin(),
+                    cell.values.end(),
+                    table.data.begin() + patch.data);
+          ++known.taken;
+          return;
+        }
+      evaluate_patch(cloud, patch, table);
+      cell.nodes.assign(nodes, nodes + patch.n_nodes);
+      cell.values.resize_fast(size);
+      std::copy(table.data.begin() + patch.data,
+                table.data.end(),
+                cell.values.begin());
+      ++known.computed;
     }
   } // namespace
 
@@ -98,7 +152,7 @@ namespace selkie
     for (Patch<dim> &patch : table.patches)
       {
         append_nodes(cloud, occupancy, patch, table);
-        patch.integration = !is_full(cloud, occupancy, table, patch);
+        patch.integration = !is_full(cloud, occupancy, patch);
         evaluate_patch(cloud, patch, table);
       }
   }
@@ -106,18 +160,17 @@ namespace selkie
   template <int dim>
   void
   add_gauss_points(
-    const ParticleSet<dim>                           &particles,
     const NodeCloud<dim>                             &cloud,
     const LinearAlgebra::distributed::Vector<double> &nodal_pressure,
+    GaussSupports<dim>                               &known,
     SupportTable<dim>                                &table)
   {
-    (void)particles;
-    static const QGauss<dim> gauss(2);
-    const unsigned int       n_matter = table.patches.size();
+    const unsigned int n_matter = table.patches.size();
     for (unsigned int i = 0; i < n_matter; ++i)
       if (!table.patches[i].integration)
         {
-          Patch<dim> patch  = table.patches[i]; // same cell, same nodes
+          Patch<dim>  patch = table.patches[i]; // same cell, same nodes
+          const auto &gauss = gauss_points(cloud, table, patch);
           patch.matter      = false;
           patch.integration = true;
           patch.first_point = table.points.size();
@@ -135,7 +188,7 @@ namespace selkie
               point.x = box.unit_to_real(gauss.point(q));
               table.points.push_back(point);
             }
-          evaluate_patch(cloud, patch, table);
+          evaluate_full_cell(cloud, known, patch, table);
 
           for (unsigned int q = 0; q < gauss.size(); ++q)
             {
@@ -152,16 +205,73 @@ namespace selkie
         }
   }
 
-#define INSTANTIATE(dim)                                       \
-  template void fill_material_points(const ParticleSet<dim> &, \
-                                     const NodeCloud<dim> &,   \
-                                     const Occupancy<dim> &,   \
-                                     SupportTable<dim> &);     \
-  template void add_gauss_points(                              \
-    const ParticleSet<dim> &,                                  \
-    const NodeCloud<dim> &,                                    \
-    const LinearAlgebra::distributed::Vector<double> &,        \
-    SupportTable<dim> &)
+  template <int dim>
+  void
+  add_wall_points(const NodeCloud<dim>            &cloud,
+                  const std::array<bool, 2 * dim> &walls,
+                  SupportTable<dim>               &table)
+  {
+    static const QGauss<dim - 1> gauss(2);
+    constexpr double             inside   = 1e-5;
+    const unsigned int           n_before = table.patches.size();
+    for (unsigned int i = 0; i < n_before; ++i)
+      if (table.patches[i].fluid && table.patches[i].matter &&
+          table.patches[i].cell->at_boundary())
+        {
+          const Patch<dim> of_cell = table.patches[i];
+          const auto       box     = of_cell.cell->bounding_box();
+          double           volume  = 0.;
+          for (unsigned int q = 0; q < of_cell.n_points; ++q)
+            {
+              const auto &point = table.points[of_cell.first_point + q];
+              volume += point.volume * point.J_n;
+            }
+          const double filled = std::min(1., volume / box.volume());
+          for (unsigned int face = 0; face < 2 * dim; ++face)
+            if (walls[face] && of_cell.cell->at_boundary(face))
+              {
+                Patch<dim> patch  = of_cell; // same cell, same nodes
+                patch.matter      = false;
+                patch.integration = false;
+                patch.surface     = true;
+                patch.first_point = table.points.size();
+                patch.n_points    = gauss.size();
+
+                StepPoint<dim> point = table.points[of_cell.first_point];
+                point.mass = point.volume = 0.;
+                point.lambda              = Tensor<1, dim>();
+                point.wall                = face;
+                const auto unit_points    = QProjector<dim>::project_to_face(
+                  ReferenceCells::get_hypercube<dim>(), gauss, face);
+                for (unsigned int q = 0; q < gauss.size(); ++q)
+                  {
+                    Point<dim> unit = unit_points.point(q);
+                    unit[face / 2] =
+                      std::clamp(unit[face / 2], inside, 1. - inside);
+                    point.x    = box.unit_to_real(unit);
+                    point.area = filled * gauss.weight(q) * box.volume() /
+                                 box.side_length(face / 2);
+                    table.points.push_back(point);
+                  }
+                evaluate_patch(cloud, patch, table);
+                table.patches.push_back(patch);
+              }
+        }
+  }
+
+#define INSTANTIATE(dim)                                           \
+  template void fill_material_points(const ParticleSet<dim> &,     \
+                                     const NodeCloud<dim> &,       \
+                                     const Occupancy<dim> &,       \
+                                     SupportTable<dim> &);         \
+  template void add_gauss_points(                                  \
+    const NodeCloud<dim> &,                                        \
+    const LinearAlgebra::distributed::Vector<double> &,            \
+    GaussSupports<dim> &,                                          \
+    SupportTable<dim> &);                                          \
+  template void add_wall_points(const NodeCloud<dim> &,            \
+                                const std::array<bool, 2 * dim> &, \
+                                SupportTable<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -197,9 +197,8 @@ namespace selkie
                     for (unsigned int d = 0; d < dim; ++d)
                       u[d] += N[k] * displacement[d].local_element(node);
                   }
-                at.x = at.X + u;
-                at.traction_area =
-                  gauss.weight(q) * patch.cell->face(face)->measure();
+                at.x    = at.X + u;
+                at.area = gauss.weight(q) * patch.cell->face(face)->measure();
               }
             table.patches.push_back(patch);
           }

@@ -9,6 +9,7 @@ namespace selkie
       inertia_effect(),
       elasticity_effect(),
       mean_dilatation_effect(),
+      mixed_pressure_effect(),
       fluid_pressure_effect(),
       pressure_stabilisation_effect(),
       viscosity_effect(),
@@ -17,6 +18,8 @@ namespace selkie
       traction_effect(),
       spring_foundation_effect(),
       prescribed_motion_effect(),
+      wall_friction_effect(),
+      wall_release_effect(),
       hydrostatic_start_effect(),
       probes_effect(),
     };

@@ -2,6 +2,7 @@
 #include <selkie/scene/check_scene.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/terms/effect_table.h>
+#include <selkie/terms/pressure_force.h>
 
 namespace selkie
 {
@@ -9,9 +10,7 @@ namespace selkie
 
   namespace
   {
-    /// The volumetric part of fluids in mixed u-p form (formulation.md, 4):
-    /// R_a = -sum W p g_a and R_p,a = -sum V_0 N_a (J - J^(p)), W = V_0 J.
-    /// Unlike J, the pressure has no memory.
+    /// The volumetric part of fluids: terms/pressure_force.h.
     template <int dim>
     class FluidPressureTerm : public Term<dim>
     {
@@ -43,28 +42,10 @@ namespace selkie
       add(PatchState<dim> &state, const bool with_tangent) const override
       {
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
-          {
-            const StepPoint<dim> &point = state.point(q);
-            const auto           &kin   = state.kinematics[q];
-            const auto  &law  = static_cast<const FluidLaw &>(*point.law);
-            auto        &form = state.forms[q];
-            const double V_0  = point.volume;
-            const double W    = V_0 * kin.J;
-
-            form.add_stress(W * -kin.p, identity(), kin);
-            form.p_source -= V_0 * (kin.J - law.J_of_pressure(kin.p));
-            if (!with_tangent)
-              continue;
-            form.add_tangent(
-              V_0, kin, [&](const Tensor<1, 3> &g_a, const Tensor<1, 3> &g_b) {
-                return pressure_tangent_displacement(
-                  kin.p, kin.J, 0., g_a, g_b);
-              });
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int j = 0; j < dim; ++j)
-                form.coupling[i][j] -= W * kin.c[j][i];
-            form.p_stiffness += V_0 * law.dJ_dpressure(kin.p);
-          }
+          add_pressure(state,
+                       q,
+                       static_cast<const FluidLaw &>(*state.point(q).law),
+                       with_tangent);
       }
     };
 
@@ -80,10 +61,10 @@ namespace selkie
       {
         FluidPressure &pressure = scene.fluid_pressure.emplace();
         prm.add_parameter("Volume correction",
-                          pressure.volume_kappa,
-                          "Share of the excess of crowded points' volume that "
-                          "is corrected in a step. Units: none.",
-                          Patterns::Double(0., 1.));
+                          pressure.volume_rate,
+                          "Rate at which crowded points get back the volume "
+                          "that they have lost; 0 for none. Units: 1/s.",
+                          Patterns::Double(0.));
         prm.add_parameter("Volume deadband",
                           pressure.volume_deadband,
                           "Relative excess that is not corrected. Units: none.",

@@ -21,23 +21,23 @@ namespace selkie
         for (const auto &wall : scene.domain.walls)
           moves = moves || wall.condition == NodeCondition::prescribed;
         for (const auto &set : scene.node_sets)
-          moves = moves || set.condition == NodeCondition::prescribed;
+          moves = moves || set.condition != NodeCondition::fixed;
         if (!moves)
           fail(scene,
                "Effects",
-               "'prescribed motion' is listed, and no wall or node set is "
-               "'prescribed'");
+               "'prescribed motion' is listed, and no wall is 'prescribed' and "
+               "no node set 'prescribed' or 'moving'");
       }
     };
 
 
-    /// A velocity of a wall or of a node set.
+    /// A velocity of a wall or of a node set, or a path.
     bool
     is_velocity(const ParameterEntry &entry)
     {
       const auto &sections = entry.sections;
       const bool  of_set   = !sections.empty() && sections[0] == "Node sets" &&
-                          entry.name == "Velocity";
+                          (entry.name == "Velocity" || entry.name == "Path");
       const bool of_wall = sections.size() == 2 && sections[1] == "Walls" &&
                            entry.name.find(" velocity") != std::string::npos;
       return (of_set || of_wall) && !entry.value.empty();

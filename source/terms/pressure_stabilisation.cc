@@ -1,4 +1,5 @@
 #include <selkie/laws/fluid_law.h>
+#include <selkie/laws/hyperelastic_law.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/terms/effect_table.h>
 
@@ -11,13 +12,15 @@ namespace selkie
     /// Polynomial pressure projection (Dohrmann & Bochev 2004) in the
     /// lumped-minus-consistent form of formulation.md, section 4:
     /// R_p,a = -sum V_0 (alpha/G_e) N_a (p_a - p), with the inertial modulus
-    /// G_e = mu alpha4 + rho h^2 alpha1.
+    /// G_e = mu alpha4 + rho h^2 alpha1 in fluids, G + rho h^2 alpha1 in
+    /// solids.
     template <int dim>
     class PressureStabilisationTerm : public Term<dim>
     {
     public:
-      explicit PressureStabilisationTerm(const double alpha)
+      PressureStabilisationTerm(const double alpha, const bool of_solids)
         : alpha(alpha)
+        , of_solids(of_solids)
       {}
 
       std::string
@@ -38,7 +41,7 @@ namespace selkie
       bool
       acts_on(const PatchKind &kind) const override
       {
-        return kind.integration && kind.fluid;
+        return kind.integration && kind.fluid != of_solids;
       }
 
       void
@@ -48,16 +51,25 @@ namespace selkie
         const double   h2      = state.h * state.h;
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
           {
-            const auto &law =
-              static_cast<const FluidLaw &>(*state.point(q).law);
-            const double G_e = law.viscosity(0.).value * newmark.alpha4 +
+            const Law   &law = *state.point(q).law;
+            const double G_e = shear_stiffness(law, newmark.alpha4) +
                                law.density() * h2 * newmark.alpha1;
             state.forms[q].lumped -= state.point(q).volume * alpha / G_e;
           }
       }
 
     private:
+      double
+      shear_stiffness(const Law &law, const double alpha4) const
+      {
+        return of_solids
+                 ? static_cast<const DecoupledLaw &>(law).shear_stiffness(
+                     alpha4)
+                 : static_cast<const FluidLaw &>(law).shear_stiffness(alpha4);
+      }
+
       const double alpha;
+      const bool   of_solids; ///< instead of fluids
     };
 
 
@@ -76,11 +88,11 @@ namespace selkie
       }
 
       std::shared_ptr<const Term<dim>>
-      term(const Scene<dim> &) const override
+      term(const Scene<dim> &scene) const override
       {
-        return alpha > 0.
-                 ? std::make_shared<PressureStabilisationTerm<dim>>(alpha)
-                 : nullptr;
+        return alpha > 0. ? std::make_shared<PressureStabilisationTerm<dim>>(
+                              alpha, scene.mixed_solids)
+                          : nullptr;
       }
 
     private:
@@ -94,10 +106,12 @@ namespace selkie
     EffectRow row = effect_row<PressureStabilisationEffect>(
       "pressure stabilisation",
       "Fluid pressure",
-      "Keeps the pressure of fluids free of checkerboards; switched off by "
+      "Keeps the pressure free of checkerboards; switched off by "
       "`Stabilisation = 0`.",
       "");
-    row.comes_with = [](const SceneNames &names) { return names.has_fluid(); };
+    row.comes_with = [](const SceneNames &names) {
+      return names.has_fluid() || names.has_effect("mixed pressure");
+    };
     return row;
   }
 } // namespace selkie

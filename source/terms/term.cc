@@ -7,6 +7,7 @@ namespace selkie
   {
     kinematics |= other.kinematics;
     velocity_gradient |= other.velocity_gradient;
+    velocity |= other.velocity;
     pressure |= other.pressure;
     acceleration |= other.acceleration;
     increment |= other.increment;

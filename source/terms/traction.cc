@@ -33,7 +33,7 @@ namespace selkie
       bool
       acts_on(const PatchKind &kind) const override
       {
-        return kind.matter || kind.surface;
+        return kind.matter || (kind.surface && !kind.fluid);
       }
 
     private:
@@ -42,10 +42,10 @@ namespace selkie
       {
         const StepPoint<dim> &point = state.point(q);
         Tensor<1, dim>        sum;
-        if (point.traction_area != 0.)
+        if (point.area != 0.)
           for (const auto &traction : tractions)
             if (traction.body == point.body)
-              sum += point.traction_area *
+              sum += point.area *
                      traction.value->value(point.x, state.time->t(), point.X);
         return sum;
       }

@@ -1,5 +1,6 @@
 #include <selkie/base/collective_error.h>
 #include <selkie/laws/fluid_law.h>
+#include <selkie/laws/hyperelastic_law.h>
 #include <selkie/transfer/transfer.h>
 
 #include <deal.II/base/mpi.h>
@@ -44,7 +45,7 @@ namespace selkie
     {
       Tensor<1, dim> du, dv, v, a;
       Tensor<2, dim> grad_du, grad_v;
-      double         p = 0, J = 1; ///< fluids
+      double         p = 0, J = 1; ///< where there are pressures
     };
 
     /// @tparam moves with inertia
@@ -105,10 +106,12 @@ namespace selkie
 
     /// The end values of all material points, in iteration order. Throws
     /// NumericalFailure, on every rank, before anything is written: a pressure
-    /// that the fluid cannot have.
+    /// that the matter cannot have.
+    /// @param phases those with a pressure, bits
     template <int dim>
     std::vector<Interpolated<dim>>
     end_values(const ParticleColumns<dim> &columns,
+               const unsigned int          phases,
                const SupportTable<dim>    &table,
                const System<dim>          &system,
                const NodalEnd             &nodes,
@@ -127,13 +130,16 @@ namespace selkie
               const auto &point = table.points[patch.first_point + q];
               auto       &at    = values[point.particle];
               at = interpolate_motion(table, patch, q, system, nodes);
-              if (!patch.fluid)
+              if (((phases >> patch.phase) & 1u) == 0)
                 continue;
               at.p = interpolate_pressure(table, patch, q, system, nodes.du);
               try
                 {
-                  at.J = static_cast<const FluidLaw &>(*point.law)
-                           .J_of_pressure(at.p);
+                  at.J = patch.fluid
+                           ? static_cast<const FluidLaw &>(*point.law)
+                               .J_of_pressure(at.p)
+                           : static_cast<const DecoupledLaw &>(*point.law)
+                               .J_of_pressure(at.p);
                 }
               catch (const NumericalFailure &error)
                 {
@@ -177,10 +183,11 @@ namespace selkie
           columns.a.set(mine, at.a);
         }
       if (fluid)
-        {
-          columns.J.set(mine, at.J);
-          columns.pressure.set(mine, at.p);
-        }
+        columns.J.set(mine, at.J);
+      if (fluid || scene.mixed_solids)
+        columns.pressure.set(mine, at.p);
+      if (scene.mixed_solids)
+        columns.mean_J.set(mine, at.J);
       if (!fluid || scene.lagrangian_mesh())
         columns.F.set(mine, f * point.F_n);
     }
@@ -213,9 +220,13 @@ namespace selkie
           const Newmark           &newmark,
           const StepFields        &fields)
   {
-    const MPI_Comm comm   = particles.communicator();
-    const auto     values = end_values(
-      particles.columns, table, system, NodalEnd(fields, newmark), comm);
+    const MPI_Comm              comm   = particles.communicator();
+    const auto                  values = end_values(particles.columns,
+                                   particles.scene.pressure_phases(),
+                                   table,
+                                   system,
+                                   NodalEnd(fields, newmark),
+                                   comm);
     std::vector<Tensor<1, dim>> displacements;
     displacements.reserve(values.size());
     for (const auto &at : values)
@@ -253,7 +264,7 @@ namespace selkie
                   point.volume * (law.energy(at.J) - law.energy(moved));
               }
           }
-    if (columns.mean_J.exists())
+    if (columns.mean_J.exists() && !particles.scene.mixed_solids)
       for (const auto &patch : table.patches)
         if (patch.matter && !patch.fluid)
           {

@@ -1,6 +1,11 @@
 #include <selkie/laws/fluid_law.h>
 #include <selkie/transfer/transfer.h>
 
+#include <deal.II/base/geometry_info.h>
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace selkie
@@ -78,8 +83,8 @@ namespace selkie
         });
     }
 
-    /// Volume and V p of the points of fluids, at the pressure unknowns of
-    /// fields.mass and fields.x.
+    /// Volume and V p of the points with a pressure, at the pressure unknowns
+    /// of fields.mass and fields.x.
     template <int dim>
     void
     add_pressures(const ParticleSet<dim>  &particles,
@@ -91,7 +96,9 @@ namespace selkie
       for_each_pair(
         table,
         particles,
-        [](const Patch<dim> &patch) { return patch.fluid; },
+        [phases = particles.scene.pressure_phases()](const Patch<dim> &patch) {
+          return ((phases >> patch.phase) & 1u) != 0;
+        },
         [&](const StepPoint<dim>          &point,
             const ArrayView<const double> &mine,
             const double                   N,
@@ -128,8 +135,9 @@ namespace selkie
     {
       for (const unsigned int node : system.owned_pressure_nodes())
         {
-          const unsigned int p         = system.pressure(node);
-          fields.mass.local_element(p) = 0.;
+          const unsigned int p = system.pressure(node);
+          if (fields.mass.size() > 0)
+            fields.mass.local_element(p) = 0.;
           if (const double stored = stored_pressure.local_element(node);
               !std::isnan(stored))
             fields.x.local_element(p) = stored;
@@ -187,14 +195,14 @@ namespace selkie
           add_motion<true>(particles, table, system, fields);
         else
           add_motion<false>(particles, table, system, fields);
-        if (particles.scene.has_fluid())
+        if (particles.scene.has_pressure())
           add_pressures(particles, table, system, fields);
         divide_by_weight(fields);
-        if (particles.scene.has_fluid())
-          recall_pressures(system, stored_pressure, fields);
         if (nodes != nullptr)
           nodes->recall(system, fields);
       }
+    if (particles.scene.has_pressure())
+      recall_pressures(system, stored_pressure, fields);
     prescribe(system, t_n, dt, moves, fields);
     fields.x.update_ghost_values();
     if (moves)
@@ -215,67 +223,151 @@ namespace selkie
     stored_pressure.update_ghost_values();
   }
 
-  template <int dim>
-  void
-  correct_volume(const FluidPressure &parameters,
-                 const System<dim>   &system,
-                 SupportTable<dim>   &table)
+  namespace
   {
-    if (parameters.volume_kappa == 0.)
-      return;
-    const auto &cloud = system.cloud;
-    Vector      theta(cloud.partitioner());
-    for (const auto &patch : table.patches)
-      if (patch.matter)
-        for (unsigned int q = 0; q < patch.n_points; ++q)
-          {
-            const auto  &point = table.points[patch.first_point + q];
-            const double volume =
-              point.volume * (patch.fluid ? point.J_n : determinant(point.F_n));
-            const double *N = table.N(patch, q);
-            for (unsigned int k = 0; k < patch.n_nodes; ++k)
-              theta.local_element(table.nodes[patch.first_node + k]) +=
-                volume * N[k];
-          }
-    theta.compress(VectorOperation::add);
-    for (unsigned int node = 0; node < cloud.n_owned(); ++node)
-      theta.local_element(node) /= cloud.volume(node);
-    theta.update_ghost_values();
+    /// The hat functions of a box-shaped cell at x.
+    template <int dim>
+    std::array<double, (1u << dim)>
+    hats(const Patch<dim> &patch, const Point<dim> &x)
+    {
+      const Point<dim> unit = patch.cell->bounding_box().real_to_unit(x);
+      std::array<double, (1u << dim)> values;
+      for (unsigned int v = 0; v < values.size(); ++v)
+        values[v] = GeometryInfo<dim>::d_linear_shape_function(unit, v);
+      return values;
+    }
 
-    // Beside hanging nodes the node's share of its cells is not the volume
-    // that LME functions give it: no correction there.
-    for (const auto &patch : table.patches)
-      if (patch.fluid &&
-          cloud.equally_spaced(&table.nodes[patch.first_node], patch.n_nodes))
-        for (unsigned int q = 0; q < patch.n_points; ++q)
+    /// theta at the nodes: volume of the points around over that of the cells.
+    template <int dim>
+    Vector
+    crowding(const NodeCloud<dim> &cloud, const SupportTable<dim> &table)
+    {
+      Vector theta(cloud.partitioner());
+      for (const auto &patch : table.patches)
+        if (patch.matter)
           {
-            const double *N       = table.N(patch, q);
-            double        theta_q = 0.;
-            for (unsigned int k = 0; k < patch.n_nodes; ++k)
-              theta_q +=
-                N[k] * theta.local_element(table.nodes[patch.first_node + k]);
-            const double crowding =
-              std::max(0., theta_q - 1. - parameters.volume_deadband);
-            table.points[patch.first_point + q].J_n *=
-              1. - parameters.volume_kappa * std::min(0.2, crowding);
+            const auto corners = cloud.corners(patch.cell);
+            for (unsigned int q = 0; q < patch.n_points; ++q)
+              {
+                const auto  &point = table.points[patch.first_point + q];
+                const double volume =
+                  point.volume *
+                  (patch.fluid ? point.J_n : determinant(point.F_n));
+                const auto share = hats(patch, point.x);
+                for (unsigned int v = 0; v < corners.size(); ++v)
+                  theta.local_element(corners[v]) += volume * share[v];
+              }
           }
+      theta.compress(VectorOperation::add);
+      for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+        theta.local_element(node) /= cloud.volume(node);
+      theta.update_ghost_values();
+      return theta;
+    }
+    /// Mean of theta - 1 over the nodes inside the fluid; 0 if there are none.
+    /// Collective.
+    template <int dim>
+    double
+    mean_excess(const Vector         &theta,
+                const NodeCloud<dim> &cloud,
+                const Occupancy<dim> &occupancy)
+    {
+      std::array<double, 2> sums{}; // of excess, of volume
+      for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+        if (!occupancy.enclosed.empty() && occupancy.enclosed[node])
+          {
+            sums[0] += cloud.volume(node) * (theta.local_element(node) - 1.);
+            sums[1] += cloud.volume(node);
+          }
+      for (double &sum : sums)
+        sum = Utilities::MPI::sum(sum, theta.get_mpi_communicator());
+      return sums[1] > 0. ? sums[0] / sums[1] : 0.;
+    }
+  } // namespace
+
+  template <int dim>
+  VolumeCorrection
+  correct_volume(const FluidPressure  &parameters,
+                 const double          dt,
+                 const double          last_excess,
+                 const Occupancy<dim> &occupancy,
+                 const System<dim>    &system,
+                 SupportTable<dim>    &table)
+  {
+    VolumeCorrection result;
+    if (parameters.volume_rate == 0.)
+      return result;
+    const auto share = [&](const double part_of_rate) {
+      return 1. - std::exp(-part_of_rate * parameters.volume_rate * dt);
+    };
+    const Vector theta = crowding(system.cloud, table);
+    result.excess =
+      last_excess +
+      share(0.2) * (mean_excess(theta, system.cloud, occupancy) - last_excess);
+    // How far each point is beyond the deadband, and the mean of that: the
+    // local part of the correction only moves volume from one place to another.
+    std::vector<double>   crowd(table.points.size());
+    std::array<double, 2> sums{}; // of crowd, of volume
+    for (const auto &patch : table.patches)
+      if (patch.fluid && !patch.surface)
+        {
+          const auto corners = system.cloud.corners(patch.cell);
+          for (unsigned int q = 0; q < patch.n_points; ++q)
+            {
+              const unsigned int i       = patch.first_point + q;
+              const auto         weights = hats(patch, table.points[i].x);
+              double             theta_q = 0.;
+              for (unsigned int v = 0; v < corners.size(); ++v)
+                theta_q += weights[v] * theta.local_element(corners[v]);
+              crowd[i] =
+                std::clamp(theta_q - 1. - parameters.volume_deadband, 0., 0.2);
+              if (!patch.integration)
+                continue;
+              const double V = table.points[i].volume * table.points[i].J_n;
+              sums[0] += V * crowd[i];
+              sums[1] += V;
+            }
+        }
+    for (double &sum : sums)
+      sum = Utilities::MPI::sum(sum, theta.get_mpi_communicator());
+    const double mean_crowd = sums[1] > 0. ? sums[0] / sums[1] : 0.;
+
+    for (const auto &patch : table.patches)
+      if (patch.fluid && !patch.surface)
+        for (unsigned int i = patch.first_point;
+             i < patch.first_point + patch.n_points;
+             ++i)
+          {
+            auto        &point = table.points[i];
+            const double shrink =
+              share(1.) * (crowd[i] - mean_crowd) + share(0.1) * result.excess;
+            if (patch.integration)
+              result.energy +=
+                point.volume * point.J_n * shrink *
+                static_cast<const FluidLaw &>(*point.law).pressure(point.J_n);
+            point.J_n *= 1. - shrink;
+          }
+    return result;
   }
 
-#define INSTANTIATE(dim)                              \
-  template void project(const ParticleSet<dim> &,     \
-                        const SupportTable<dim> &,    \
-                        const System<dim> &,          \
-                        const double,                 \
-                        const double,                 \
-                        const Vector &,               \
-                        const NodalState<dim> *,      \
-                        StepFields &);                \
-  template void store_pressure(const System<dim> &,   \
-                               const StepFields &,    \
-                               Vector &);             \
-  template void correct_volume(const FluidPressure &, \
-                               const System<dim> &,   \
-                               SupportTable<dim> &)
+#define INSTANTIATE(dim)                                           \
+  template void             project(const ParticleSet<dim> &,      \
+                                    const SupportTable<dim> &,     \
+                                    const System<dim> &,           \
+                                    const double,                  \
+                                    const double,                  \
+                                    const Vector &,                \
+                                    const NodalState<dim> *,       \
+                                    StepFields &);                 \
+  template void             store_pressure(const System<dim> &,    \
+                                           const StepFields &,     \
+                                           Vector &);              \
+  template VolumeCorrection correct_volume(const FluidPressure &,  \
+                                           const double,           \
+                                           const double,           \
+                                           const Occupancy<dim> &, \
+                                           const System<dim> &,    \
+                                           SupportTable<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -32,9 +32,10 @@ namespace
                                                scene.lme.support_tolerance);
       conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
       terms      = terms_of(scene);
-      system =
-        std::make_unique<System<dim>>(*cloud, *conditions, scene.has_fluid());
-      assembler = std::make_unique<Assembler<dim>>(terms, *system);
+      system     = std::make_unique<System<dim>>(*cloud,
+                                             *conditions,
+                                             scene.pressure_phases());
+      assembler  = std::make_unique<Assembler<dim>>(terms, *system);
 
       Vector stored(cloud->partitioner());
       stored               = std::numeric_limits<double>::quiet_NaN();
@@ -53,8 +54,11 @@ namespace
       if (gauss)
         {
           store_pressure(*system, fields, stored);
-          add_gauss_points(particles, *cloud, stored, table);
+          GaussSupports<dim> known;
+          add_gauss_points(*cloud, stored, known, table);
         }
+      if (scene.wall_points)
+        add_wall_points(*cloud, *scene.wall_points, table);
       // A state away from rest, with pressure.
       for (unsigned int i = 0; i < system->n_owned(); ++i)
         fields.x.local_element(i) =
@@ -119,7 +123,7 @@ namespace
           e = std::max(e, std::abs(difference - Kd.local_element(i)));
         }
     EXPECT_LT(error[0], 1e-7 * largest[0]) << "displacement rows";
-    if (problem.scene.has_fluid())
+    if (problem.scene.has_pressure())
       {
         EXPECT_LT(error[1], 1e-7 * largest[1]) << "pressure rows";
       }
@@ -161,6 +165,28 @@ TEST(Tangent, MeanDilatation)
   std::string text = small_scenes::free_block();
   text.replace(text.find("= inertia"), 9, "= inertia, mean dilatation");
   Problem<2> problem(text);
+  check_direction(problem, false);
+}
+
+TEST(Tangent, MixedPressureOfSolids)
+{
+  std::string text = small_scenes::free_block();
+  text.replace(text.find("= inertia"), 9, "= inertia, mixed pressure");
+  text.replace(text.find("neo hookean"), 11, "isochoric neo hookean");
+  text.replace(text.find("ratio = 0.3"), 11, "ratio = 0.4999");
+  for (const bool pressures : {false, true})
+    {
+      Problem<2> problem(text);
+      check_direction(problem, pressures);
+    }
+}
+
+TEST(Tangent, WallFriction)
+{
+  std::string text = small_scenes::fluid_on_solid();
+  text.replace(text.find(", viscosity"), 11, ", viscosity, wall friction");
+  // So large that an error in its tangent shows.
+  Problem<2> problem(text, {"Wall friction/Coefficient=1e6"});
   check_direction(problem, false);
 }
 

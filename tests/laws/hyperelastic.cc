@@ -409,3 +409,27 @@ TEST(LawsHyperelastic, InvertedPointIsAnError)
       EXPECT_THROW(c.law->response({3., 3., std::nan("")}), InvertedPoint);
     }
 }
+
+
+TEST(LawsHyperelastic, DecoupledPressureAndVolumeBelongTogether)
+{
+  const IsochoricNeoHookean law(E, 0.4999, rho);
+  for (const double J : {0.6, 0.99, 1., 1.01, 1.7})
+    {
+      const double p = law.pressure(J), h = 1e-6;
+      EXPECT_NEAR(law.J_of_pressure(p), J, 1e-12);
+      EXPECT_NEAR(law.dJ_dpressure(p) * law.dpressure_dJ(J), 1., 1e-12);
+      EXPECT_NEAR((law.pressure(J + h) - law.pressure(J - h)) / (2. * h) /
+                    law.dpressure_dJ(J),
+                  1.,
+                  1e-8);
+      // The shape's stress has no pressure in it.
+      Tensor<2, 3> F = std::cbrt(J) * identity();
+      F[0][1]        = 0.3;
+      const auto b   = left_cauchy_green(F);
+      EXPECT_NEAR(trace(kirchhoff_stress(
+                    law.shape_response(invariants(b, determinant(F))), b)),
+                  0.,
+                  1e-9 * E);
+    }
+}

@@ -106,12 +106,13 @@ TEST(Banner, NamesVersionsAndRanks)
 TEST(Summary, IsJson)
 {
   Summary summary;
-  summary.title         = "a \"quoted\" title,\nin two lines \\";
-  summary.effects       = {"inertia", "gravity"};
-  summary.steps         = 12;
-  summary.audit.kinetic = 0.1;
-  summary.audit.min_J   = std::numeric_limits<double>::infinity();
-  summary.timings       = {{"total", 0, 1, 2.5, 2.4, 1.}};
+  summary.title   = "a \"quoted\" title,\nin two lines \\";
+  summary.effects = {"inertia", "gravity"};
+  summary.steps   = 12;
+  summary.audit.emplace();
+  summary.audit->kinetic = 0.1;
+  summary.audit->min_J   = std::numeric_limits<double>::infinity();
+  summary.timings        = {{"total", 0, 1, 2.5, 2.4, 1.}};
 
   const TemporaryFolder folder;
   const std::string     path = folder.path + "/summary.json";

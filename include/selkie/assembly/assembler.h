@@ -118,6 +118,8 @@ namespace selkie
     bool
     point_pressures(const Patch<dim> &patch);
     bool
+    point_velocities(const Patch<dim> &patch);
+    bool
     point_accelerations(const Patch<dim> &patch);
     bool
     point_increments(const Patch<dim> &patch);

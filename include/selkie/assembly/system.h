@@ -17,7 +17,8 @@ namespace selkie
 {
   /**
    * The unknowns of one step: dim displacement increments at every active
-   * node and a pressure at those of the fluid. Empty cells have none.
+   * node and a pressure at those of fluids (and of solids, on request). Empty
+   * cells have none.
    *
    * Each rank owns a contiguous range: first the displacements of its nodes
    * (node-major), then the pressures. Local indices are those of partitioner():
@@ -29,12 +30,16 @@ namespace selkie
   public:
     System(const NodeCloud<dim>      &cloud,
            const NodeConditions<dim> &conditions,
-           const bool                 has_fluid);
+           const unsigned int         pressure_phases);
 
     /// Numbers the unknowns anew; builds the sparsity pattern only when node
     /// lists or numbers have changed on some rank. Collective.
     void
     reinit(const Occupancy<dim> &occupancy, const SupportTable<dim> &table);
+
+    /// Reads anew which unknowns the conditions hold; the pattern stays.
+    void
+    update_held();
 
     /// Local index of the first displacement component of a cloud node.
     unsigned int
@@ -153,7 +158,7 @@ namespace selkie
     std::size_t
     structure_hash(const SupportTable<dim> &table) const;
 
-    const bool has_fluid;
+    const unsigned int pressure_phases; ///< those with pressures, bits
 
     std::vector<unsigned int>       nodes, p_nodes, u_index, p_index;
     std::vector<bool>               is_held;

@@ -11,6 +11,7 @@
 #include <selkie/time/time_control.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace selkie
@@ -69,6 +70,8 @@ namespace selkie
               const double            dt,
               const StepReport<dim>  &report);
     void
+    set_energies(const ParticleSet<dim> &particles);
+    void
     write_fields(const double        time,
                  const unsigned int  step,
                  const Stepper<dim> *stepper,
@@ -104,11 +107,23 @@ namespace selkie
     };
     std::vector<Recording> recordings;
 
-    Audit              present;
-    double             initial_energy = 0;
-    double             dissipated = 0, external_work = 0, reset_energy = 0;
-    double             next_fields = 0; ///< s
-    unsigned long long unknowns    = 0;
-    double             start_wall  = 0;
+    /// Where the energy went since the start (J).
+    struct Energies
+    {
+      double initial    = 0;
+      double dissipated = 0, external_work = 0;
+      double of_reset = 0, of_volume = 0; ///< given by the fluid's rules
+
+      double
+      balance(const Audit &now) const
+      {
+        return now.energy() + dissipated - external_work - of_volume - initial;
+      }
+    };
+    std::optional<Audit> present; ///< of the last step, if the scene asks
+    Energies             energies;
+    double               next_fields = 0; ///< s
+    unsigned long long   unknowns    = 0;
+    double               start_wall  = 0;
   };
 } // namespace selkie

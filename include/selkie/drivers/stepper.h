@@ -1,8 +1,10 @@
 #pragma once
 
 #include <selkie/assembly/assembler.h>
+#include <selkie/assembly/node_release.h>
 #include <selkie/base/timer_tree.h>
 #include <selkie/mesh/node_cloud.h>
+#include <selkie/output/recorder.h>
 #include <selkie/particles/particle_set.h>
 #include <selkie/shape/lme_support.h>
 #include <selkie/shape/q4_support.h>
@@ -31,9 +33,9 @@ namespace selkie
     double             dissipated    = 0; ///< heat (J)
     double             external_work = 0; ///< loads and moving walls (J)
     double             reset_energy  = 0; ///< by the J reset (J)
+    double             volume_energy = 0; ///< by the volume correction (J)
     double             largest_speed = 0; ///< of the nodes (m/s)
-    /// Force of the matter on each wall (N; N/m in 2D).
-    std::vector<dealii::Tensor<1, dim>> wall_force;
+    WallForces<dim>    walls;             ///< of the matter on them
   };
 
   /**
@@ -84,6 +86,14 @@ namespace selkie
       return nodes.get();
     }
 
+    /// Of the nodes that have one, at the end of the last step (Pa; NaN at
+    /// others), or nullptr.
+    const Vector *
+    nodal_pressure() const
+    {
+      return scene.has_pressure() ? &stored_pressure : nullptr;
+    }
+
     /// What the nodes keep from step to step, by name, numbered as the node
     /// cloud is: it belongs in a checkpoint.
     std::map<std::string, const Vector *>
@@ -126,6 +136,12 @@ namespace selkie
     void
     solve_mass(const StepTime &time, const Vector &residual, Vector &a);
     void
+    prepare_conditions(const double t);
+    void
+    set_pressure_scales(const Newmark &newmark);
+    NewtonResult
+    solve(const StepTime &time, Vector &residual);
+    void
     set_predictor(const Newmark &newmark);
     void
     choose_first_guess(const StepTime &time);
@@ -140,7 +156,7 @@ namespace selkie
     ParticleSet<dim>                                   &particles;
     const NodeCloud<dim>                               &cloud;
     TimerTree                                          &timers;
-    const NodeConditions<dim>                           conditions;
+    NodeConditions<dim>                                 conditions;
     const std::vector<std::shared_ptr<const Term<dim>>> terms;
 
     System<dim>                           unknowns;
@@ -148,10 +164,15 @@ namespace selkie
     LinearSolver<dim>                     linear_solver;
     SupportTable<dim>                     table;
     StepFields                            fields;
-    std::unique_ptr<const Q4Support<dim>> q4;    ///< hat functions
-    std::unique_ptr<NodalState<dim>>      nodes; ///< of a Lagrangian mesh
+    Occupancy<dim>                        occupancy;
+    GaussSupports<dim>                    gauss_supports;
+    std::unique_ptr<NodeRelease<dim>>     release; ///< on request
+    std::unique_ptr<const Q4Support<dim>> q4;      ///< hat functions
+    std::unique_ptr<NodalState<dim>>      nodes;   ///< of a Lagrangian mesh
     Vector                                stored_pressure;
-    double scale_u = 0, scale_p = 0; ///< of the residual
-    double pressure_unit = 1;        ///< Pa
+    VolumeCorrection                      volume; ///< of the present step
+    double volume_excess = 0;                     ///< of the last good step
+    double scale_u = 0, scale_p = 0;              ///< of the residual
+    double pressure_unit = 1;                     ///< Pa
   };
 } // namespace selkie

@@ -2,6 +2,7 @@
 
 #include <selkie/laws/kinematics.h>
 #include <selkie/laws/law.h>
+#include <selkie/laws/volumetric_law.h>
 
 /**
  * @file
@@ -14,7 +15,7 @@ namespace selkie
 {
   /// A fluid whose pressure depends on J and whose viscosity depends on the
   /// rate of shear sqrt(2 d':d').
-  class FluidLaw : public Law
+  class FluidLaw : public Law, public VolumetricLaw
   {
   public:
     Phase
@@ -23,35 +24,11 @@ namespace selkie
       return Phase::fluid;
     }
 
-    /// Pressure p(J), Pa, positive in compression.
-    /// @throw InvertedPoint if J <= 0.
-    virtual double
-    pressure(const double J) const = 0;
-
-    /// dp/dJ, Pa; negative.
-    /// @throw InvertedPoint if J <= 0.
-    virtual double
-    dpressure_dJ(const double J) const = 0;
-
-    /// The volume ratio at which the pressure is @p p (Pa).
-    /// @throw NumericalFailure if the law never reaches that tension.
-    virtual double
-    J_of_pressure(const double p) const = 0;
-
-    /// dJ/dp at the pressure @p p (Pa), 1/Pa; negative.
-    /// @throw NumericalFailure as J_of_pressure().
-    virtual double
-    dJ_dpressure(const double p) const = 0;
-
     /// Energy of compression per reference volume, J/m^3: dPsi/dJ = -p, zero
     /// at J = 1.
     /// @throw InvertedPoint if J <= 0.
     virtual double
     energy(const double J) const = 0;
-
-    /// Bulk modulus -J dp/dJ at J = 1, Pa.
-    virtual double
-    bulk_modulus() const = 0;
 
     /// Dynamic viscosity and its derivative at one rate of shear.
     struct Viscosity
@@ -67,6 +44,12 @@ namespace selkie
     /// The largest viscosity at any rate, Pa s.
     virtual double
     largest_viscosity() const = 0;
+
+    double
+    shear_stiffness(const double alpha4) const override
+    {
+      return viscosity(0.).value * alpha4;
+    }
   };
 
 

@@ -2,6 +2,7 @@
 
 #include <selkie/laws/kinematics.h>
 #include <selkie/laws/law.h>
+#include <selkie/laws/volumetric_law.h>
 
 #include <array>
 
@@ -41,6 +42,17 @@ namespace selkie
     /// @throw InvertedPoint if J <= 0.
     virtual HyperelasticResponse
     response(const Invariants &invariants) const = 0;
+  };
+
+  /// One whose energy is the sum of that of the shape J^{-1/3} F and that of
+  /// the volume ratio J.
+  class DecoupledLaw : public HyperelasticLaw, public VolumetricLaw
+  {
+  public:
+    /// Coefficients of stress and tangent of the energy of the shape, Pa.
+    /// @throw InvertedPoint if J <= 0.
+    virtual HyperelasticResponse
+    shape_response(const Invariants &invariants) const = 0;
   };
 
   /// The two Lame constants, Pa.

@@ -112,11 +112,6 @@ namespace selkie
     double
     volume(const unsigned int node) const;
 
-    /// Whether n nodes (local indices) all have the same spacing: true away
-    /// from where the mesh is graded.
-    bool
-    equally_spaced(const unsigned int *nodes, const unsigned int n) const;
-
     /// Smallest h of the whole mesh (m).
     double
     smallest_spacing() const;

@@ -18,7 +18,13 @@ namespace selkie
    * - `region`: the same for the points that started inside a shape.
    * - `node`: the same of the node nearest to the probe's position at the start
    *   (with a Lagrangian mesh).
-   * - `wall force`: the force on a wall.
+   * - `wall force`: the force on a wall and its moment about a position.
+   * - `wall pressure`: the mean of the fluid's pressure over a rectangle on a
+   *   wall, dry parts counted with zero; the largest; the share that is wet.
+   *   The pressure is that of the nodes, linear between them.
+   * - `height`: how far a body reaches along an axis, near a line.
+   * - `body force`: sum of m (a - g) over a body's points, which is the force
+   *   of its surroundings on it, and its moment about a position.
    * - `front`: largest and smallest coordinate of a body's points along an
    *   axis. The matter reaches about half a point spacing further.
    * - `extent`: smallest and largest coordinates of a body's points, its
@@ -101,6 +107,23 @@ namespace selkie
     set_node(const Probe<dim>      &probe,
              const NodeMotion<dim> &nodes,
              Statistics            &table) const;
+
+    void
+    set_force(const Probe<dim>             &probe,
+              const dealii::Tensor<1, dim> &force,
+              const dealii::Tensor<1, 3>   &moment_about_origin,
+              Statistics                   &table) const;
+
+    void
+    set_body_force(const Probe<dim> &probe, Statistics &table) const;
+
+    void
+    set_wall_pressure(const Probe<dim>      &probe,
+                      const NodeMotion<dim> &nodes,
+                      Statistics            &table) const;
+
+    void
+    set_height(const Probe<dim> &probe, Statistics &table) const;
 
     void
     set_error(const Probe<dim> &probe,

@@ -16,16 +16,18 @@ namespace selkie
   template <int dim>
   struct WallForces
   {
-    std::vector<dealii::Tensor<1, dim>> force; ///< by wall: x-, x+, y-, ...
+    std::vector<dealii::Tensor<1, dim>> force;  ///< by wall: x-, x+, y-, ...
+    std::vector<dealii::Tensor<1, 3>>   moment; ///< about the origin (N m)
   };
 
-  /// The nodes of a Lagrangian mesh: cloud numbering.
+  /// What the nodes have, in cloud numbering with ghosts; null where nothing.
   template <int dim>
   struct NodeMotion
   {
     const NodeCloud<dim>          *cloud        = nullptr;
-    const std::array<Vector, dim> *displacement = nullptr; ///< m
-    const std::array<Vector, dim> *velocity     = nullptr; ///< m/s
+    const std::array<Vector, dim> *displacement = nullptr; ///< Lagrangian (m)
+    const std::array<Vector, dim> *velocity     = nullptr; ///< m/s, as well
+    const Vector *pressure = nullptr; ///< fluids; NaN at nodes without (Pa)
   };
 
   /// What an effect writes during a run, besides the statistics: it reads the
@@ -45,7 +47,6 @@ namespace selkie
     interval() const = 0;
 
     /// Adds the state at @p time (s) to its files. Collective.
-    /// @param nodes of a Lagrangian mesh; empty otherwise
     virtual void
     record(const double           time,
            const WallForces<dim> &walls,

@@ -5,6 +5,7 @@
 #include <selkie/output/audit.h>
 #include <selkie/particles/particle_set.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,8 @@ namespace selkie
 
     std::string failure; ///< empty: done; else why the run ended
 
-    Audit              audit; ///< at the end
-    ParticleAccounting accounting;
+    std::optional<Audit> audit; ///< at the end
+    ParticleAccounting   accounting;
 
     double                         wall_time = 0; ///< s
     std::vector<TimerTree::Row>    timings;

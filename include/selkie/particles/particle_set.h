@@ -136,6 +136,8 @@ namespace selkie
     struct Motion;
 
     void
+    displace_at_start();
+    void
     fill_properties(const Seed<dim>                 &seed,
                     const dealii::ArrayView<double> &properties) const;
     Motion

@@ -2,7 +2,9 @@
 
 #include <selkie/scene/scene.h>
 
+#include <array>
 #include <string>
+#include <vector>
 
 namespace selkie
 {
@@ -43,6 +45,16 @@ namespace selkie
                     const std::string &effect,
                     const std::string &path,
                     const std::string &nothing);
+
+  /// That a list of walls ("all" if the parameter is empty) names only walls
+  /// of the allowed conditions, and at least one.
+  /// @throw SceneError as above.
+  template <int dim>
+  void
+  check_walls(const Scene<dim>                 &scene,
+              const std::string                &path,
+              const std::array<bool, 2 * dim>  &walls,
+              const std::vector<NodeCondition> &allowed);
 
   /// Smallest extent of the cells before refinement, m.
   template <int dim>

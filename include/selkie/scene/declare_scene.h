@@ -5,6 +5,7 @@
 
 #include <deal.II/base/parameter_handler.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,13 @@ namespace selkie
   template <int dim>
   std::vector<std::string>
   wall_names();
+
+  /// A list of walls, "Walls", in the current subsection: the default is all.
+  template <int dim>
+  void
+  add_walls(dealii::ParameterHandler  &prm,
+            std::array<bool, 2 * dim> &walls,
+            const std::string         &documentation);
 
   /// Declares every parameter that a scene with these names has, tied to the
   /// members of @p scene, which has to outlive @p prm. Bodies' laws and

@@ -34,10 +34,11 @@ namespace selkie
   /// What the nodes of a wall, a node set or an obstacle do.
   enum class NodeCondition
   {
-    free,      ///< nothing prescribed
-    fixed,     ///< all displacement components are zero
-    slip,      ///< walls only: the normal component is zero
-    prescribed ///< the components of a given velocity that are not `free`
+    free,       ///< nothing prescribed
+    fixed,      ///< all displacement components are zero
+    slip,       ///< walls only: the normal component is zero
+    prescribed, ///< the components of a given velocity that are not `free`
+    moving      ///< node sets only: inside a shape that moves along a path
   };
 
   /// One wall of the domain box, in deal.II's boundary order (x-, x+, y-, …).
@@ -75,8 +76,9 @@ namespace selkie
     std::vector<Refinement> refinements;
   };
 
-  /// Nodes inside a shape in the initial configuration of the *mesh* (nodes
-  /// do not move): a clamp, a piston, a rigid obstacle.
+  /// Nodes of the background mesh inside a shape: a clamp, a rigid obstacle.
+  /// The nodes do not move; the shape does if it is `moving`: a piston, a
+  /// stirrer.
   template <int dim>
   struct NodeSet
   {
@@ -85,6 +87,7 @@ namespace selkie
     NodeCondition                          condition = NodeCondition::fixed;
     std::array<bool, dim>                  components{}; ///< which are held
     std::shared_ptr<VectorExpression<dim>> velocity;     ///< m/s, if prescribed
+    std::shared_ptr<VectorExpression<dim>> path;         ///< m, of t, if moving
   };
 
   /// A named region of one material.
@@ -97,6 +100,8 @@ namespace selkie
     unsigned int                      points_per_direction = 2; ///< per cell
     double                            jitter = 0; ///< of the point spacing
     std::shared_ptr<VectorExpression<dim>> initial_velocity; ///< may be null
+    /// From where the lattice has a point to where it starts (m); may be null.
+    std::shared_ptr<VectorExpression<dim>> initial_displacement;
     /// Which points share nodes: all fluids are phase 0, each solid body is a
     /// phase of its own (1, 2, …).
     unsigned int phase = 0;
@@ -141,9 +146,18 @@ namespace selkie
   /// (formulation.md 4, quadrature.md).
   struct FluidPressure
   {
-    double volume_kappa     = 0.02; ///< volume drift correction per step
+    double volume_rate      = 20.; ///< of the volume drift's correction (1/s)
     double volume_deadband  = 0.1;
     bool   gauss_full_cells = true; ///< integrate full cells at Gauss points
+  };
+
+  /// The effect `wall release`: walls that push the bodies but do not hold
+  /// them.
+  template <int dim>
+  struct WallRelease
+  {
+    std::array<bool, 2 * dim> walls{};
+    std::vector<unsigned int> bodies; ///< empty: all solids
   };
 
   /// The effect `traction`: dead load on one face of a box-shaped body.
@@ -207,10 +221,13 @@ namespace selkie
       point,  ///< mean of the points that were within `radius` of `position`
       node,   ///< the node nearest to `position`; Lagrangian meshes
       region, ///< mean of the points that were inside `shape` at the start
-      wall_force, ///< reaction on wall `wall`, N (N/m in 2D)
-      front,      ///< largest coordinate `axis` reached by body `body`, m
-      extent,     ///< min, max of body's coordinates and its volume, centroid
-      error       ///< of body's `quantity` against `function`
+      wall_force,    ///< reaction on wall `wall` and moment about `position`
+      wall_pressure, ///< mean of the fluid's pressure on `shape` on `wall`
+      height,        ///< surface of body `body` along `axis` above `position`
+      body_force,    ///< what all around does to body `body`, and the moment
+      front,         ///< largest coordinate `axis` reached by body `body`, m
+      extent, ///< min, max of body's coordinates and its volume, centroid
+      error   ///< of body's `quantity` against `function`
     };
     enum class Quantity
     {
@@ -230,11 +247,19 @@ namespace selkie
     std::shared_ptr<VectorExpression<dim>> function; ///< exact, of X, t
   };
 
+  /// What is summed over all points after every step.
+  enum class AuditLevel
+  {
+    none,
+    figures ///< energies, momentum, mass, volume, limits of J
+  };
+
   struct OutputParameters
   {
     std::string directory;       ///< set by --output or the scene
     double      interval = 0.02; ///< s between VTU files; 0: none
     bool        mesh     = true; ///< mesh.pvd with nodal fields
+    AuditLevel  audit    = AuditLevel::figures;
   };
 
   /// The value that a parameter has in the end, and who gave it.
@@ -272,7 +297,11 @@ namespace selkie
     std::optional<dealii::Tensor<1, dim>> gravity; ///< m/s^2
     std::optional<FluidPressure>          fluid_pressure;
     std::vector<Traction<dim>>            tractions;
-    std::vector<Probe<dim>>               probes;
+    std::optional<WallRelease<dim>>       release; ///< wall release
+    bool mixed_solids = false;                     ///< mixed pressure
+    /// Walls of which a term wants the wetted faces' Gauss points.
+    std::optional<std::array<bool, 2 * dim>> wall_points;
+    std::vector<Probe<dim>>                  probes;
 
     /// Every parameter by its path, as in "Bodies/water/Density": for messages
     /// and for reports.
@@ -293,6 +322,20 @@ namespace selkie
     has_fluid() const
     {
       return fluid_pressure.has_value();
+    }
+
+    /// Whether nodes have a pressure: those of fluids or those of solids.
+    bool
+    has_pressure() const
+    {
+      return has_fluid() || mixed_solids;
+    }
+
+    /// The phases whose nodes have a pressure, as bits.
+    unsigned int
+    pressure_phases() const
+    {
+      return mixed_solids ? ~1u : has_fluid() ? 1u : 0u;
     }
 
     bool

@@ -17,7 +17,8 @@ namespace selkie
    * force is summed have `integration`. Both hold except in full fluid cells,
    * where a second patch of fixed Gauss points integrates (quadrature.md,
    * section 3). The points of a loaded face of a finite element have `surface`
-   * and nothing else.
+   * and nothing else, those of a wall that a fluid touches `surface` and
+   * `fluid`.
    */
   struct PatchKind
   {
@@ -44,8 +45,9 @@ namespace selkie
   template <int dim>
   struct Patch : PatchKind
   {
-    typename dealii::Triangulation<dim>::active_cell_iterator cell;
+    using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
 
+    Cell         cell;
     unsigned int phase = 0;
 
     unsigned int first_point = 0, n_points = 0; ///< in SupportTable::points
@@ -61,15 +63,16 @@ namespace selkie
   {
     dealii::Point<dim>     x; ///< position at t_n (m)
     const Law             *law    = nullptr;
-    double                 mass   = 0; ///< kg; zero for Gauss points
-    double                 volume = 0; ///< reference volume V_0
-    dealii::Tensor<2, dim> F_n;        ///< solids and Lagrangian meshes
-    double                 J_n = 1;    ///< fluids
-    dealii::Point<dim>     X;          ///< reference position, on request
-    double                 traction_area = 0; ///< m^2 (m in 2D), on request
-    unsigned int           body          = 0;
-    unsigned int           particle      = 0; ///< place in the iteration order
-    dealii::Tensor<1, dim> lambda;            ///< LME multiplier found
+    double                 mass   = 0;   ///< kg; zero for Gauss points
+    double                 volume = 0;   ///< reference volume V_0
+    dealii::Tensor<2, dim> F_n;          ///< solids and Lagrangian meshes
+    double                 J_n = 1;      ///< fluids
+    dealii::Point<dim>     X;            ///< reference position, on request
+    double                 area     = 0; ///< of a surface, m^2 (m in 2D)
+    unsigned int           wall     = 0; ///< of wall points: x-, x+, y-, …
+    unsigned int           body     = 0;
+    unsigned int           particle = 0; ///< place in the iteration order
+    dealii::Tensor<1, dim> lambda;       ///< LME multiplier found
   };
 
   /**

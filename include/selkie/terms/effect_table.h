@@ -22,6 +22,8 @@ namespace selkie
   EffectRow
   mean_dilatation_effect();
   EffectRow
+  mixed_pressure_effect();
+  EffectRow
   fluid_pressure_effect();
   EffectRow
   pressure_stabilisation_effect();
@@ -37,6 +39,10 @@ namespace selkie
   spring_foundation_effect();
   EffectRow
   prescribed_motion_effect();
+  EffectRow
+  wall_friction_effect();
+  EffectRow
+  wall_release_effect();
   EffectRow
   hydrostatic_start_effect();
   EffectRow

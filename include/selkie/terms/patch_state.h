@@ -115,6 +115,7 @@ namespace selkie
     double                   h     = 0; ///< cell size (m)
 
     std::vector<PointKinematics<dim>>   kinematics;
+    std::vector<dealii::Tensor<1, dim>> velocity;     ///< on request
     std::vector<dealii::Tensor<1, dim>> acceleration; ///< on request
     std::vector<dealii::Tensor<1, dim>> increment;    ///< on request
     std::vector<PointForm<dim>>         forms;

@@ -16,6 +16,7 @@ namespace selkie
     // Read, of PatchState:
     bool kinematics        = false; ///< f, J, c
     bool velocity_gradient = false; ///< l
+    bool velocity          = false; ///< sum N_a v_a
     bool pressure          = false; ///< p
     bool acceleration      = false; ///< sum N_a a_a
     bool increment         = false; ///< sum N_a du_a

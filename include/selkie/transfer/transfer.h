@@ -42,16 +42,35 @@ namespace selkie
                  const StepFields  &fields,
                  Vector            &stored_pressure);
 
+  /// What correct_volume() found and did.
+  struct VolumeCorrection
+  {
+    double excess = 0; ///< mean of theta - 1 inside the fluid, smoothed in time
+    double energy = 0; ///< given to the fluid by it (J), on this rank
+  };
+
   /**
-   * Volume drift: points that crowd (theta > 1 + deadband, theta = volume of
-   * the points at a node over the node's volume) get a slightly smaller J_n,
-   * so that the fluid expands again (formulation.md 4, quadrature.md 4).
+   * Volume drift: points that crowd get a smaller J_n, so that the fluid
+   * expands again (formulation.md 4, quadrature.md 4). In a step
+   *   J_n *= 1 - rate dt (crowd - mean crowd + excess / 10),
+   *   crowd = min(0.2, max(0, theta - 1 - deadband)).
+   * theta is the volume of the points over that of the space: both are weighted
+   * with the cells' hat functions, whose integrals are known on any mesh, and
+   * theta is interpolated with them. Its scatter would make the fluid swell, as
+   * only the upper side counts; so the local part is there to move volume, and
+   * the drift of the whole is corrected both ways by the mean of theta - 1 over
+   * the nodes inside the fluid, smoothed over the time 5 / rate lest the
+   * pressure jumps. Collective.
+   * @param last_excess that of the last step
    */
   template <int dim>
-  void
-  correct_volume(const FluidPressure &parameters,
-                 const System<dim>   &system,
-                 SupportTable<dim>   &table);
+  VolumeCorrection
+  correct_volume(const FluidPressure  &parameters,
+                 const double          dt,
+                 const double          last_excess,
+                 const Occupancy<dim> &occupancy,
+                 const System<dim>    &system,
+                 SupportTable<dim>    &table);
 
   /// Interpolates nodal accelerations to the points: the start of a run.
   template <int dim>
