@@ -467,7 +467,7 @@ namespace selkie
               set_node(probe, nodes, table);
               break;
             case Kind::wall_force:
-              if (probe.wall < walls.force.size())
+              if (probe.wall < walls.moment.size())
                 set_force(probe,
                           walls.force[probe.wall],
                           walls.moment[probe.wall],

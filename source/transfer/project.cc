@@ -303,7 +303,7 @@ namespace selkie
     const Vector theta = crowding(system.cloud, table);
     result.excess =
       last_excess +
-      share(0.2) * (mean_excess(theta, system.cloud, occupancy) - last_excess);
+      share(0.5) * (mean_excess(theta, system.cloud, occupancy) - last_excess);
     // How far each point is beyond the deadband, and the mean of that: the
     // local part of the correction only moves volume from one place to another.
     std::vector<double>   crowd(table.points.size());
@@ -340,7 +340,7 @@ namespace selkie
           {
             auto        &point = table.points[i];
             const double shrink =
-              share(1.) * (crowd[i] - mean_crowd) + share(0.1) * result.excess;
+              share(1.) * (crowd[i] - mean_crowd) + share(0.25) * result.excess;
             if (patch.integration)
               result.energy +=
                 point.volume * point.J_n * shrink *

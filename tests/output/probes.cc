@@ -39,7 +39,7 @@ namespace
   {
     using Kind     = Probe<2>::Kind;
     Scene<2> scene = two_blocks<2>();
-    scene.probes.resize(8);
+    scene.probes.resize(10);
     scene.probes[0].name     = "nearest";
     scene.probes[0].position = dealii::Point<2>(0.25, 0.5);
     scene.probes[1].name     = "around";
@@ -66,6 +66,16 @@ namespace
     scene.probes[7].body     = 1;
     scene.probes[7].quantity = Probe<2>::Quantity::velocity;
     scene.probes[7].function = std::make_shared<VectorExpression<2>>("2; 3");
+    scene.probes[8].name     = "height";
+    scene.probes[8].kind     = Kind::height;
+    scene.probes[8].body     = 1;
+    scene.probes[8].axis     = 1;
+    scene.probes[8].position = dealii::Point<2>(0.7, 0.);
+    scene.probes[8].radius   = 0.05;
+    scene.probes[9].name     = "force";
+    scene.probes[9].kind     = Kind::body_force;
+    scene.probes[9].body     = 1;
+    scene.probes[9].position = dealii::Point<2>(0.5, 0.3);
     return scene;
   }
 } // namespace
@@ -89,7 +99,9 @@ TEST(ProbesMPI, AllKindsFollowATranslation)
   matter.particles.move(std::vector<dealii::Tensor<1, 2>>(
     matter.particles.handler().n_locally_owned_particles(), shift));
   walls.force.resize(4);
-  walls.force[2][1] = -5.;
+  walls.moment.resize(4);
+  walls.force[2][1]  = -5.;
+  walls.moment[2][2] = 2.;
   probes.record(0.5, walls);
   if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
     return;
@@ -110,6 +122,14 @@ TEST(ProbesMPI, AllKindsFollowATranslation)
   EXPECT_NEAR(row("around")["position x (m)"], 0.375 + 0.11, 1e-14);
   EXPECT_NEAR(row("region")["position x (m)"], 0.625 + 0.11, 1e-13);
   EXPECT_EQ(row("wall")["force y (N/m)"], -5.);
+  EXPECT_EQ(row("wall")["moment z (N)"], 2.);
+  EXPECT_NEAR(row("height")["height y (m)"], 0.75 - 1. / 32 - 0.07, 1e-14);
+  // At rest its surroundings carry its weight.
+  const double weight = fluid_rho * 0.125 * gravity;
+  EXPECT_NEAR(row("force")["force y (N/m)"], weight, 1e-9);
+  EXPECT_NEAR(row("force")["moment z (N)"],
+              (0.625 + 0.11 - 0.5) * weight,
+              1e-9);
   EXPECT_NEAR(row("front")["front x (m)"], 0.75 - 1. / 32 + 0.11, 1e-14);
   EXPECT_NEAR(row("front")["rear x (m)"], 0.5 + 1. / 32 + 0.11, 1e-14);
 

@@ -52,14 +52,14 @@ namespace selkie
   /**
    * Volume drift: points that crowd get a smaller J_n, so that the fluid
    * expands again (formulation.md 4, quadrature.md 4). In a step
-   *   J_n *= 1 - rate dt (crowd - mean crowd + excess / 10),
+   *   J_n *= 1 - rate dt (crowd - mean crowd + excess / 4),
    *   crowd = min(0.2, max(0, theta - 1 - deadband)).
    * theta is the volume of the points over that of the space: both are weighted
    * with the cells' hat functions, whose integrals are known on any mesh, and
    * theta is interpolated with them. Its scatter would make the fluid swell, as
    * only the upper side counts; so the local part is there to move volume, and
    * the drift of the whole is corrected both ways by the mean of theta - 1 over
-   * the nodes inside the fluid, smoothed over the time 5 / rate lest the
+   * the nodes inside the fluid, smoothed over the time 2 / rate lest the
    * pressure jumps. Collective.
    * @param last_excess that of the last step
    */
