@@ -27,7 +27,9 @@ namespace selkie
         result.command = Command::compare;
       else if (word == "parameters")
         result.command = Command::parameters;
-      else if (word == "resume" || word == "study" || word == "report")
+      else if (word == "study")
+        result.command = Command::study;
+      else if (word == "resume" || word == "report")
         throw SceneError("the command '" + word +
                          "' is not in this version yet; " + usage);
       else
@@ -150,6 +152,7 @@ namespace selkie
 
   selkie [run] FILE.prm   run a scene
   selkie check FILE.prm   check a scene and say what a run would cost; run nothing
+  selkie study FILE.prm   run a scene with many settings; draw error against time
   selkie compare A B      say what two finished runs differ in: their output folders
   selkie parameters       print all parameters with their defaults
   selkie --help           print this text

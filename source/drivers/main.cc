@@ -1,12 +1,15 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/command_line.h>
+#include <selkie/drivers/run_study.h>
 #include <selkie/drivers/simulation.h>
 #include <selkie/output/compare.h>
 #include <selkie/scene/read_scene.h>
 
 #include <deal.II/base/mpi.h>
 
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -73,11 +76,53 @@ namespace
           return print(parameter_reference(command_line.markdown));
         case Command::run:
         case Command::check:
+        case Command::study: // main() has run it
           break;
       }
     return read_dimension(command_line.file, command_line.overrides) == 2
              ? run_or_check<2>(command_line, comm)
              : run_or_check<3>(command_line, comm);
+  }
+
+
+  /// A study starts processes that start MPI, and so starts none itself.
+  int
+  study(const CommandLine &command_line)
+  {
+    const char *size = std::getenv("OMPI_COMM_WORLD_SIZE");
+    if (size != nullptr && std::string(size) != "1")
+      throw SceneError("'study' runs as one process and starts others itself "
+                       "(Study/Ranks); leave out mpirun");
+    return run_study(read_study(command_line.file, command_line.overrides),
+                     std::filesystem::read_symlink("/proc/self/exe"));
+  }
+
+
+  /// The exit code of a study, or -1 if the arguments ask for something else.
+  int
+  study_if_asked(const std::vector<std::string> &arguments)
+  {
+    if (arguments.empty() || arguments[0] != "study")
+      return -1;
+    const auto fail = [](const std::exception &error, const ExitCode code) {
+      std::cerr << "selkie: error: " << error.what() << std::endl;
+      return code;
+    };
+    try
+      {
+        const CommandLine command_line = parse_command_line(arguments);
+        return command_line.command == CommandLine::Command::study
+                 ? study(command_line)
+                 : -1;
+      }
+    catch (const NumericalFailure &error)
+      {
+        return fail(error, numerical_failure);
+      }
+    catch (const std::exception &error)
+      {
+        return fail(error, bad_input);
+      }
   }
 
 
@@ -109,6 +154,8 @@ namespace
 int
 main(int argc, char **argv)
 {
+  if (const int code = study_if_asked({argv + 1, argv + argc}); code >= 0)
+    return code;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   try
     {

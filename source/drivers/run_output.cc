@@ -159,6 +159,8 @@ namespace selkie
     statistics.set("step cuts", time.cuts());
     if (present)
       set_energies(particles);
+    if (scene.has_fluid() && !scene.lagrangian_mesh())
+      statistics.set("crowding", report.crowding);
     statistics.set("points removed", particles.accounting.removed);
     statistics.set("points kept at walls", particles.accounting.kept_at_wall);
     fail_together<OutputError>(comm, [&] { statistics.end_row(); });

@@ -132,7 +132,7 @@ namespace selkie
       }
     if (scene.has_fluid() && !scene.lagrangian_mesh())
       volume = correct_volume(
-        *scene.fluid_pressure, dt, volume_excess, occupancy, unknowns, table);
+        *scene.fluid_pressure, dt, volume_excess, unknowns, table);
   }
 
   template <int dim>
@@ -450,6 +450,7 @@ namespace selkie
     report.dissipated    = powers.dissipation * time.newmark.dt;
     report.external_work =
       powers.external_work + Utilities::MPI::sum(reaction_work, comm);
+    report.crowding      = volume.excess;
     report.volume_energy = Utilities::MPI::sum(volume.energy, comm);
     report.unknowns      = unknowns.n_global();
     report.patches       = Utilities::MPI::sum(table.patches.size(), comm);

@@ -24,8 +24,22 @@ namespace selkie
       SceneReader(const std::string              &file,
                   const std::vector<std::string> &overrides)
         : file(file)
-        , entries(read_entries(file, overrides))
+        , entries(of_scene(read_entries(file, overrides)))
       {}
+
+      /// Without the subsection of a study, which is none of the scene's.
+      static ParameterEntries
+      of_scene(ParameterEntries entries)
+      {
+        entries.erase(std::remove_if(entries.begin(),
+                                     entries.end(),
+                                     [](const ParameterEntry &entry) {
+                                       return !entry.sections.empty() &&
+                                              entry.sections[0] == "Study";
+                                     }),
+                      entries.end());
+        return entries;
+      }
 
       [[noreturn]] void
       fail(const std::string &path, const std::string &why) const

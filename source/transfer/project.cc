@@ -264,17 +264,24 @@ namespace selkie
       theta.update_ghost_values();
       return theta;
     }
-    /// Mean of theta - 1 over the nodes inside the fluid; 0 if there are none.
-    /// Collective.
+    /// Mean of theta - 1 over the nodes deep inside the fluid, with full cells
+    /// all around: nearer to the surface cells are filled in part. 0 if there
+    /// are none. Collective.
     template <int dim>
     double
-    mean_excess(const Vector         &theta,
-                const NodeCloud<dim> &cloud,
-                const Occupancy<dim> &occupancy)
+    mean_excess(const Vector            &theta,
+                const NodeCloud<dim>    &cloud,
+                const SupportTable<dim> &table)
     {
+      Vector full_cells(cloud.partitioner());
+      for (const auto &patch : table.patches)
+        if (patch.fluid && patch.matter && !patch.integration)
+          for (const unsigned int node : cloud.corners(patch.cell))
+            full_cells.local_element(node) += 1.;
+      full_cells.compress(VectorOperation::add);
       std::array<double, 2> sums{}; // of excess, of volume
       for (unsigned int node = 0; node < cloud.n_owned(); ++node)
-        if (!occupancy.enclosed.empty() && occupancy.enclosed[node])
+        if (full_cells.local_element(node) == cloud.n_cells_around(node))
           {
             sums[0] += cloud.volume(node) * (theta.local_element(node) - 1.);
             sums[1] += cloud.volume(node);
@@ -287,12 +294,11 @@ namespace selkie
 
   template <int dim>
   VolumeCorrection
-  correct_volume(const FluidPressure  &parameters,
-                 const double          dt,
-                 const double          last_excess,
-                 const Occupancy<dim> &occupancy,
-                 const System<dim>    &system,
-                 SupportTable<dim>    &table)
+  correct_volume(const FluidPressure &parameters,
+                 const double         dt,
+                 const double         last_excess,
+                 const System<dim>   &system,
+                 SupportTable<dim>   &table)
   {
     VolumeCorrection result;
     if (parameters.volume_rate == 0.)
@@ -303,7 +309,7 @@ namespace selkie
     const Vector theta = crowding(system.cloud, table);
     result.excess =
       last_excess +
-      share(0.5) * (mean_excess(theta, system.cloud, occupancy) - last_excess);
+      share(0.5) * (mean_excess(theta, system.cloud, table) - last_excess);
     // How far each point is beyond the deadband, and the mean of that: the
     // local part of the correction only moves volume from one place to another.
     std::vector<double>   crowd(table.points.size());
@@ -350,23 +356,22 @@ namespace selkie
     return result;
   }
 
-#define INSTANTIATE(dim)                                           \
-  template void             project(const ParticleSet<dim> &,      \
-                                    const SupportTable<dim> &,     \
-                                    const System<dim> &,           \
-                                    const double,                  \
-                                    const double,                  \
-                                    const Vector &,                \
-                                    const NodalState<dim> *,       \
-                                    StepFields &);                 \
-  template void             store_pressure(const System<dim> &,    \
-                                           const StepFields &,     \
-                                           Vector &);              \
-  template VolumeCorrection correct_volume(const FluidPressure &,  \
-                                           const double,           \
-                                           const double,           \
-                                           const Occupancy<dim> &, \
-                                           const System<dim> &,    \
+#define INSTANTIATE(dim)                                          \
+  template void             project(const ParticleSet<dim> &,     \
+                                    const SupportTable<dim> &,    \
+                                    const System<dim> &,          \
+                                    const double,                 \
+                                    const double,                 \
+                                    const Vector &,               \
+                                    const NodalState<dim> *,      \
+                                    StepFields &);                \
+  template void             store_pressure(const System<dim> &,   \
+                                           const StepFields &,    \
+                                           Vector &);             \
+  template VolumeCorrection correct_volume(const FluidPressure &, \
+                                           const double,          \
+                                           const double,          \
+                                           const System<dim> &,   \
                                            SupportTable<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -101,7 +101,7 @@ def gate(selkie, folder, cells="2", *settings):
     The length of the gate is 16 cells for each across it; the water's width is
     rounded to cells.
     """
-    n = int(cells)
+    n = float(cells)
     h = 0.079 / 16 / n
     left, right, top = round(0.1 / h) * h, round(0.1 / h) * h, math.ceil(0.145 / h) * h
     low = -h

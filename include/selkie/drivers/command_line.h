@@ -14,6 +14,7 @@ namespace selkie
       check,      ///< read and check it, say what a run would cost
       compare,    ///< say what two finished runs differ in
       parameters, ///< print the reference of all parameters
+      study,      ///< run a scene with many settings: error against time
       help,
       version
     };

@@ -34,6 +34,7 @@ namespace selkie
     double             external_work = 0; ///< loads and moving walls (J)
     double             reset_energy  = 0; ///< by the J reset (J)
     double             volume_energy = 0; ///< by the volume correction (J)
+    double             crowding      = 0; ///< VolumeCorrection::excess
     double             largest_speed = 0; ///< of the nodes (m/s)
     WallForces<dim>    walls;             ///< of the matter on them
   };

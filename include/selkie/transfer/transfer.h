@@ -59,18 +59,17 @@ namespace selkie
    * theta is interpolated with them. Its scatter would make the fluid swell, as
    * only the upper side counts; so the local part is there to move volume, and
    * the drift of the whole is corrected both ways by the mean of theta - 1 over
-   * the nodes inside the fluid, smoothed over the time 2 / rate lest the
+   * the nodes deep inside the fluid, smoothed over the time 2 / rate lest the
    * pressure jumps. Collective.
    * @param last_excess that of the last step
    */
   template <int dim>
   VolumeCorrection
-  correct_volume(const FluidPressure  &parameters,
-                 const double          dt,
-                 const double          last_excess,
-                 const Occupancy<dim> &occupancy,
-                 const System<dim>    &system,
-                 SupportTable<dim>    &table);
+  correct_volume(const FluidPressure &parameters,
+                 const double         dt,
+                 const double         last_excess,
+                 const System<dim>   &system,
+                 SupportTable<dim>   &table);
 
   /// Interpolates nodal accelerations to the points: the start of a run.
   template <int dim>
