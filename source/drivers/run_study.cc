@@ -128,20 +128,30 @@ namespace selkie
     }
 
     /// The members of a series that were run to their end; all if no name.
-    /// The size is that of a cell relative to the domain, unknowns^(-1/dim).
+    /// The size is that of a cell relative to the domain, unknowns^(-1/dim),
+    /// or of the step if the unknowns are the same.
     std::vector<CostAndError>
     points_of(const std::vector<Row> &rows,
               const unsigned int      dim,
               const std::string      &series = "")
     {
       std::vector<CostAndError> points;
+      std::vector<double>       steps;
       for (const Row &row : rows)
         if (row.result.failure.empty() && std::isfinite(row.result.error) &&
             row.result.error > 0. &&
             (series.empty() || row.member->series == series))
-          points.push_back({std::pow(row.result.unknowns, -1. / dim),
-                            median(row.cpu),
-                            row.result.error});
+          {
+            points.push_back({std::pow(row.result.unknowns, -1. / dim),
+                              median(row.cpu),
+                              row.result.error});
+            steps.push_back(1. / row.result.steps);
+          }
+      if (std::all_of(points.begin(), points.end(), [&](const auto &point) {
+            return point.size == points[0].size;
+          }))
+        for (unsigned int i = 0; i < points.size(); ++i)
+          points[i].size = steps[i];
       return points;
     }
 
@@ -345,7 +355,7 @@ namespace selkie
         std::string(SELKIE_SOURCE_DIR) + "/scripts/plots/study";
       const std::string command =
         "python3 '" + script + "' '" + study.directory + "'";
-      if (std::system(command.c_str()) != 0)
+      if (std::system((command + " 2>/dev/null").c_str()) != 0)
         std::cout << "No plot: it needs python3 with matplotlib (Debian: "
                      "apt-get install python3-matplotlib); then\n  "
                   << command << '\n';

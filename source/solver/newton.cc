@@ -85,7 +85,7 @@ namespace selkie
       std::to_string(result.iterations) +
       " iterations; the residual in units of its tolerance went" +
       history(result.errors) +
-      ". Try a smaller Time/Time step, or look at the points near the "
+      ". Try a smaller Time/Step, or look at the points near the "
       "largest velocity.");
   }
 } // namespace selkie

@@ -137,7 +137,7 @@ namespace selkie
       return relative(number - *quantity.value, *quantity.value);
     if (quantity.function.empty() && quantity.file.empty() &&
         quantity.run.empty())
-      return std::abs(number);
+      return std::abs(number) / quantity.scale;
 
     const Curve reference = reference_curve(curve, quantity, reference_folder);
     if (quantity.reduction != Reduction::rms)

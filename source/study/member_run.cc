@@ -178,6 +178,7 @@ namespace selkie
           sum += std::stod(cpu);
         }
       result.phases["other"] = total - sum;
+      result.cpu             = total; // without the start of the program
     }
 
     /// What identifies a run: the same text, the same run.
@@ -293,7 +294,8 @@ namespace selkie
       result.failure = reason(folder + ".log", ended);
     else
       read_cost(folder, result);
-    result.cpu    = ended.cpu;
+    if (!result.failure.empty())
+      result.cpu = ended.cpu;
     result.memory = ended.memory;
     write_result(result_file, text, result);
     return result;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 namespace selkie
 {
@@ -119,6 +120,11 @@ namespace selkie
                  "How the curve over time becomes a number. With a reference "
                  "that is a curve: `rms` or `largest` of the difference. "
                  "Units: none.");
+      prm.add_parameter("Scale",
+                        quantity.scale,
+                        "Without a reference: what the number is divided by, "
+                        "so that it is a relative error. Units: the column's.",
+                        Patterns::Double(std::numeric_limits<double>::min()));
       prm.add_parameter("Reference value",
                         parameters.value,
                         "What the number should be. Without any reference the "
@@ -239,9 +245,9 @@ namespace selkie
     beside(const std::string &file, const std::string &name)
     {
       namespace fs = std::filesystem;
-      return fs::path(name).is_absolute()
-               ? name
-               : (fs::path(file).parent_path() / name).lexically_normal();
+      if (fs::path(name).is_absolute())
+        return name;
+      return (fs::path(file).parent_path() / name).lexically_normal().string();
     }
   } // namespace
 

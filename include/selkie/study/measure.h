@@ -24,9 +24,10 @@ namespace selkie
 
   /**
    * The error of a curve against the quantity's reference: relative, except
-   * without a reference, where it is the number itself. Of a reference that is
-   * a curve (function, file, run), `rms` takes the norm of the difference over
-   * that of the reference, every other reduction the difference of the numbers.
+   * without a reference, where it is the number over the quantity's scale. Of a
+   * reference that is a curve (function, file, run), `rms` takes the norm of
+   * the difference over that of the reference, every other reduction the
+   * difference of the numbers.
    * @param reference_folder of the reference run, if there is one
    */
   double

@@ -34,6 +34,7 @@ namespace selkie
     std::string probe; ///< probes/NAME.csv; empty: statistics.csv
     std::string column;
     Reduction   reduction = Reduction::last;
+    double      scale     = 1.; ///< of errors without a reference
 
     // The reference; at most one. None: the quantity is itself an error.
     std::optional<double> value;
