@@ -353,8 +353,7 @@ namespace selkie
     {
       const std::string script =
         std::string(SELKIE_SOURCE_DIR) + "/scripts/plots/study";
-      const std::string command =
-        "python3 '" + script + "' '" + study.directory + "'";
+      const std::string command = "'" + script + "' '" + study.directory + "'";
       if (std::system((command + " 2>/dev/null").c_str()) != 0)
         std::cout << "No plot: it needs python3 with matplotlib (Debian: "
                      "apt-get install python3-matplotlib); then\n  "

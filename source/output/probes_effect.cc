@@ -43,7 +43,8 @@ namespace selkie
         "(`q4 fem`) that starts nearest to Position, `region` of those that start in Shape, "
         "`wall force` the force on Wall and its moment about Position, `wall "
         "pressure` a gauge: the mean of the fluid's pressure over the part of "
-        "Wall inside the box around Shape, and how much of it is wet, `height` "
+        "Wall inside the box around Shape (with `q4 fem`, of what was there at "
+        "the start), and how much of it is wet, `height` "
         "how far Body reaches along Axis within Radius of the line through "
         "Position, `body force` the force of all its surroundings on Body, "
         "from the acceleration of its points less gravity, and its moment "
@@ -114,11 +115,10 @@ namespace selkie
       const std::string path = "Probes/" + probe.name + "/";
       if (!scene.has_fluid())
         fail(scene, path + "Kind", "a gauge needs a fluid");
-      if (scene.lagrangian_mesh())
+      if (scene.domain.mesh)
         fail(scene,
              path + "Kind",
-             "the mesh of 'q4 fem' does not stay at the wall; allowed is 'wall "
-             "force'");
+             "an imported mesh has no walls; allowed is 'wall force'");
       const unsigned int d   = probe.wall / 2;
       const auto         box = probe.shape->bounding_box();
       const double       plane =

@@ -171,7 +171,7 @@ TEST(ReadScene, PrescribedMotionWithAFreeComponent)
   expect_refusal({effects, "Domain/Walls/left=prescribed"},
                  "Domain/Walls/left velocity",
                  "needs a velocity");
-  expect_refusal({effects}, "Effects", "no wall or node set");
+  expect_refusal({effects}, "Effects", "no wall is 'prescribed'");
   expect_refusal({"Domain/Walls/left=prescribed",
                   "Domain/Walls/left velocity=1; 0"},
                  "Domain/Walls/left velocity",

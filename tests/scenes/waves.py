@@ -118,9 +118,9 @@ def deviations(folder, nu):
 
 def wave(selkie, folder, nu, cells=40, settings=()):
     cells = int(cells)
-    h = 2 / cells
+    h, rows = 2 / cells, math.ceil(0.6 * cells)
     run(selkie, BENCHMARKS / "standing_wave.prm", folder,
-        (f"Domain/Cells={cells}, {cells * 3 // 5}",
+        (f"Domain/Cells={cells}, {rows}", f"Domain/Upper corner=2, {rows * h!r}",
          f"Bodies/water/Law parameters/Viscosity={1000 * float(nu)!r}",
          f"Probes/left/Shape=box(0, {1 - h!r}, {h!r}, 1)",
          f"Probes/middle/Shape=box({1 - h!r}, {1 - h!r}, {1 + h!r}, 1)",
