@@ -29,7 +29,9 @@ namespace selkie
         result.command = Command::parameters;
       else if (word == "study")
         result.command = Command::study;
-      else if (word == "resume" || word == "report")
+      else if (word == "report")
+        result.command = Command::report;
+      else if (word == "resume")
         throw SceneError("the command '" + word +
                          "' is not in this version yet; " + usage);
       else
@@ -60,17 +62,18 @@ namespace selkie
     }
 
 
+    /// Of the commands that take the folders of runs.
     void
-    read_compare_argument(const std::vector<std::string> &arguments,
-                          unsigned int                   &i,
-                          CommandLine                    &result)
+    read_folder_argument(const std::vector<std::string> &arguments,
+                         unsigned int                   &i,
+                         CommandLine                    &result)
     {
       const std::string &argument = arguments[i];
       if (is_option(argument, "--output"))
         result.output = option_value(arguments, "--output", i);
       else if (argument.rfind("-", 0) == 0)
-        throw SceneError("unknown option '" + argument +
-                         "' for 'compare'; allowed is --output; " + usage);
+        throw SceneError("unknown option '" + argument + "' for '" +
+                         arguments[0] + "'; allowed is --output; " + usage);
       else
         result.folders.push_back(argument);
     }
@@ -126,11 +129,15 @@ namespace selkie
         return result;
       }
     unsigned int i = read_command(arguments[0], result) ? 1 : 0;
-    if (result.command == Command::compare)
+    if (result.command == Command::compare || result.command == Command::report)
       {
         for (; i < arguments.size(); ++i)
-          read_compare_argument(arguments, i, result);
-        if (result.folders.size() != 2)
+          read_folder_argument(arguments, i, result);
+        if (result.command == Command::report && result.folders.empty())
+          throw SceneError("'report' needs the output folder of a run or a "
+                           "study; " +
+                           usage);
+        if (result.command == Command::compare && result.folders.size() != 2)
           throw SceneError("'compare' needs the output folders of two runs, "
                            "but " +
                            std::to_string(result.folders.size()) +
@@ -153,6 +160,7 @@ namespace selkie
   selkie [run] FILE.prm   run a scene
   selkie check FILE.prm   check a scene and say what a run would cost; run nothing
   selkie study FILE.prm   run a scene with many settings; draw error against time
+  selkie report DIR...    make one HTML page of runs or of a study
   selkie compare A B      say what two finished runs differ in: their output folders
   selkie parameters       print all parameters with their defaults
   selkie --help           print this text
@@ -160,7 +168,8 @@ namespace selkie
 
   --set 'Section/Name=value'   a value stronger than the file's; may be repeated
   --output DIR                 where to write; default: output/ and the file's name;
-                               'compare': A/compare_ and the name of B
+                               'compare': A/compare_ and the name of B;
+                               'report': DIR/report.html
   --markdown                   with 'parameters': as Markdown (doc/parameters.md)
 
 For several processes: mpirun -np N selkie ...

@@ -7,6 +7,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -76,7 +78,8 @@ namespace
           return print(parameter_reference(command_line.markdown));
         case Command::run:
         case Command::check:
-        case Command::study: // main() has run it
+        case Command::study: // main() has run these
+        case Command::report:
           break;
       }
     return read_dimension(command_line.file, command_line.overrides) == 2
@@ -98,11 +101,34 @@ namespace
   }
 
 
-  /// The exit code of a study, or -1 if the arguments ask for something else.
+  /// Pages and their plots are Python's job: scripts/report.
   int
-  study_if_asked(const std::vector<std::string> &arguments)
+  make_report(const CommandLine &command_line)
   {
-    if (arguments.empty() || arguments[0] != "study")
+    const std::string script =
+      std::string(SELKIE_SOURCE_DIR) + "/scripts/report";
+    std::vector<std::string> words = {script};
+    words.insert(words.end(),
+                 command_line.folders.begin(),
+                 command_line.folders.end());
+    if (!command_line.output.empty())
+      words.insert(words.end(), {"--output", command_line.output});
+    std::vector<char *> arguments;
+    for (std::string &word : words)
+      arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(script.c_str(), arguments.data());
+    throw OutputError("'report' needs " + script + " and python3");
+  }
+
+
+  /// The exit code of a command that must not start MPI, or -1 if the arguments
+  /// ask for another.
+  int
+  without_mpi(const std::vector<std::string> &arguments)
+  {
+    if (arguments.empty() ||
+        (arguments[0] != "study" && arguments[0] != "report"))
       return -1;
     const auto fail = [](const std::exception &error, const ExitCode code) {
       std::cerr << "selkie: error: " << error.what() << std::endl;
@@ -111,9 +137,11 @@ namespace
     try
       {
         const CommandLine command_line = parse_command_line(arguments);
-        return command_line.command == CommandLine::Command::study
-                 ? study(command_line)
-                 : -1;
+        if (command_line.command == CommandLine::Command::study)
+          return study(command_line);
+        if (command_line.command == CommandLine::Command::report)
+          return make_report(command_line);
+        return -1; // --help, --version
       }
     catch (const NumericalFailure &error)
       {
@@ -154,7 +182,7 @@ namespace
 int
 main(int argc, char **argv)
 {
-  if (const int code = study_if_asked({argv + 1, argv + argc}); code >= 0)
+  if (const int code = without_mpi({argv + 1, argv + argc}); code >= 0)
     return code;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   try

@@ -508,6 +508,8 @@ def scales(s):
             result[name] = momentum
         elif name.startswith("angular momentum"):
             result[name] = momentum * length
+        elif name == "crowding":  # theta - 1
+            result[name] = 1.
         else:
             result[name] = max(abs(value) for value in values) or 1.
     return result

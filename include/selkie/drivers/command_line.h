@@ -14,6 +14,7 @@ namespace selkie
       check,      ///< read and check it, say what a run would cost
       compare,    ///< say what two finished runs differ in
       parameters, ///< print the reference of all parameters
+      report,     ///< make a page of a run or a study
       study,      ///< run a scene with many settings: error against time
       help,
       version
@@ -22,8 +23,8 @@ namespace selkie
     std::string              file;
     std::vector<std::string> overrides; ///< --set and --output
     bool                     markdown = false;
-    std::vector<std::string> folders; ///< of the two runs to be compared
-    std::string              output;  ///< where their comparison is written
+    std::vector<std::string> folders; ///< of runs: compare, report
+    std::string              output;  ///< where what is made of them goes
   };
 
   /// @param arguments without the program's name
