@@ -249,8 +249,7 @@ namespace selkie
       for (const auto &series : series_of(study))
         {
           const auto  points = points_of(rows, dim, series);
-          std::string line =
-            series + ": order in unknowns^(-1/" + std::to_string(dim) + ")";
+          std::string line   = series + ": observed orders";
           for (const double order : observed_orders(points))
             line += format(" %.2f", order);
           const double fit = fitted_order(points);
