@@ -75,18 +75,24 @@ namespace selkie
                           8 * (particles.fields.n_components() + dim + 1)));
     }
 
-    /// Wall time of each section of the step, by its path.
+    /// Wall time of each section in one step, by its path.
     std::vector<std::pair<std::string, double>>
     phases(const std::vector<TimerTree::Row> &before,
            const std::vector<TimerTree::Row> &after)
     {
       std::map<std::string, double> earlier;
+      double                        steps = 0.;
       for (const auto &row : before)
-        earlier[row.path] = row.wall;
+        {
+          earlier[row.path] = row.wall;
+          steps -= row.path == "newton" ? row.calls : 0.;
+        }
+      for (const auto &row : after)
+        steps += row.path == "newton" ? row.calls : 0.;
       std::vector<std::pair<std::string, double>> result;
       for (const auto &row : after)
         if (row.depth > 0 && row.path != "other")
-          result.emplace_back(row.path, row.wall - earlier[row.path]);
+          result.emplace_back(row.path, (row.wall - earlier[row.path]) / steps);
       return result;
     }
   } // namespace
@@ -121,7 +127,7 @@ namespace selkie
     for (const auto &[path, seconds] : phases(before, after))
       total += path.find('/') == std::string::npos ? seconds : 0.;
     log.line(format("Time      %.0f steps of about %.2g s: %s if the first "
-                    "step is typical (speed and contact make it longer)",
+                    "ones are typical (speed and contact make it longer)",
                     steps,
                     total,
                     time_span(steps * total).c_str()));

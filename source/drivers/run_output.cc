@@ -109,7 +109,11 @@ namespace selkie
     energies.external_work += report.external_work;
     energies.of_reset += report.reset_energy;
     energies.of_volume += report.volume_energy;
-    unknowns = std::max(unknowns, report.unknowns);
+    time_errors.error += report.time_error;
+    time_errors.path += report.moved;
+    time_errors.largest = std::max(time_errors.largest, report.time_error);
+    last_dt             = dt;
+    unknowns            = std::max(unknowns, report.unknowns);
     if (present)
       present = audit(particles);
     write_row(particles, time, dt, report);
@@ -119,6 +123,8 @@ namespace selkie
     if (scene.output.interval > 0. &&
         (time.now() >= next_fields - slack || time.at_end()))
       write_fields(time.now(), time.number(), &stepper, dt);
+    if (time.number() == 3)
+      show_forecast(time);
     show_progress(time, dt, report);
   }
 
@@ -213,6 +219,57 @@ namespace selkie
     vtu->write(time, step, &mesh);
   }
 
+  /// After the first steps, which tell how long the others take.
+  template <int dim>
+  void
+  RunOutput<dim>::show_forecast(const TimeControl &time)
+  {
+    const double                   spent = timers.wall_time() - start_wall;
+    Utilities::System::MemoryStats memory;
+    Utilities::System::get_memory_stats(memory);
+    const double largest = Utilities::MPI::max(memory.VmHWM / 1024., comm);
+    log.line(
+      format("Forecast  %s for the whole run, %.0f MB a rank, if it goes "
+             "on as in the first three steps",
+             time_span(spent * time.end() / time.now()).c_str(),
+             largest));
+  }
+
+  /// What the assembly's time went into, by effect.
+  template <int dim>
+  void
+  RunOutput<dim>::show_costs(const Summary &summary)
+  {
+    double total = 0.;
+    for (const auto &entry : summary.costs)
+      total += entry.seconds;
+    if (total <= 0.)
+      return;
+    std::string text = "Assembly  ";
+    for (const auto &entry : summary.costs)
+      text += format("%s%s %.0f %%",
+                     &entry == &summary.costs.front() ? "" : ", ",
+                     entry.part.c_str(),
+                     100. * entry.seconds / total);
+    log.line(text);
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::show_errors(const Summary &summary)
+  {
+    if (!summary.errors)
+      return;
+    const auto &errors = *summary.errors;
+    log.line(
+      format("Errors    estimated: time steps %.2g m in sum (%.2g of the "
+             "path), at most %.2g m in one; mesh %.2g of the velocity",
+             errors.time,
+             errors.time_relative,
+             errors.largest_step,
+             errors.space_relative));
+  }
+
   template <int dim>
   void
   RunOutput<dim>::show_progress(const TimeControl     &time,
@@ -258,6 +315,18 @@ namespace selkie
     summary.wall_time       = timers.wall_time();
     summary.timings         = timers.rows();
     summary.costs           = costs(stepper, comm);
+    if (scene.time.estimate_error && time.number() > 0)
+      {
+        const RecoveryError space = stepper.spatial_error(last_dt);
+        const auto          share = [](const double part, const double whole) {
+          return whole > 0. ? part / whole : 0.;
+        };
+        summary.errors = {time_errors.error,
+                          share(time_errors.error, time_errors.path),
+                          time_errors.largest,
+                          space.error,
+                          share(space.error, space.norm)};
+      }
     fail_together<OutputError>(comm, [&] {
       if (!root)
         return;
@@ -269,6 +338,8 @@ namespace selkie
     });
     log.line();
     timers.print(log);
+    show_costs(summary);
+    show_errors(summary);
     if (!present)
       return;
     const double scale   = std::max({std::abs(energies.initial),

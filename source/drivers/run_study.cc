@@ -364,7 +364,8 @@ namespace selkie
   int
   run_study(const Study &study, const std::string &program)
   {
-    const unsigned int dim = read_dimension(study.scene, {});
+    const unsigned int dim =
+      study.directions > 0 ? study.directions : read_dimension(study.scene, {});
     fs::create_directories(study.directory);
     std::cout << "Study      " << study.title << ": " << study.members.size()
               << " members, " << study.repetitions << " repetition(s), in "

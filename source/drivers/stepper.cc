@@ -337,6 +337,8 @@ namespace selkie
       report.newton = solve(time, residual);
       collect(time, residual, report);
     }
+    if (scene.time.estimate_error && scene.inertia)
+      estimate_time_error(time.newmark, report);
     TimerTree::Scope scope(timers, "update");
     report.reset_energy =
       advance(particles, table, unknowns, time.newmark, fields).reset_energy;
@@ -348,6 +350,35 @@ namespace selkie
     if (release)
       release->end_step();
     return report;
+  }
+
+  /// Newmark's local error in the displacement, dt^2 |beta - 1/6| |a - a_n|
+  /// (Zienkiewicz & Xie 1991), and the first order part dt^2 |gamma - 1/2| of a
+  /// damped scheme; weighted with the nodes' masses.
+  template <int dim>
+  void
+  Stepper<dim>::estimate_time_error(const Newmark   &newmark,
+                                    StepReport<dim> &report) const
+  {
+    const double factor = newmark.dt * newmark.dt *
+                          (std::abs(scene.inertia->newmark_beta - 1. / 6.) +
+                           std::abs(scene.inertia->newmark_gamma - 0.5));
+    double sums[3] = {0., 0., 0.}; // of squared error, squared move, mass
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      {
+        const double M   = fields.mass.local_element(i);
+        const double x   = fields.x.local_element(i);
+        const double a_n = fields.a_n.local_element(i);
+        const double a =
+          newmark.acceleration(x, fields.v_n.local_element(i), a_n);
+        sums[0] += M * std::pow(factor * (a - a_n), 2);
+        sums[1] += M * x * x;
+        sums[2] += M / dim;
+      }
+    for (double &sum : sums)
+      sum = Utilities::MPI::sum(sum, particles.communicator());
+    report.time_error = std::sqrt(sums[0] / sums[2]);
+    report.moved      = std::sqrt(sums[1] / sums[2]);
   }
 
   /// The sizes of volumes and pressures in play.

@@ -89,6 +89,17 @@ namespace selkie
         }
       return list;
     }
+    JsonObject
+    to_json(const Summary::Errors &errors)
+    {
+      JsonObject json;
+      json.add("time steps, sum (m)", errors.time);
+      json.add("time steps, of the path", errors.time_relative);
+      json.add("largest of a step (m)", errors.largest_step);
+      json.add("mesh, last step", errors.space);
+      json.add("mesh, of the velocity", errors.space_relative);
+      return json;
+    }
   } // namespace
 
 
@@ -114,6 +125,8 @@ namespace selkie
     if (summary.audit)
       json.add("final figures", to_json(*summary.audit));
     json.add("material points", to_json(summary.accounting));
+    if (summary.errors)
+      json.add("estimated errors", to_json(*summary.errors));
     json.add("wall time (s)", summary.wall_time);
     json.add("assembly by effect", to_json(summary.costs));
     json.add("timings", to_json(summary.timings));

@@ -95,6 +95,12 @@ namespace selkie
                         "How often each member is run; times are medians. "
                         "Units: none.",
                         Patterns::Integer(1));
+      prm.add_parameter("Refined directions",
+                        study.directions,
+                        "In how many directions of space finer members have "
+                        "more cells, for the orders of convergence; 0 for all. "
+                        "Units: none.",
+                        Patterns::Integer(0, 3));
       prm.add_parameter("Time limit",
                         study.time_limit,
                         "Of one run, then it is stopped and counts as failed; "

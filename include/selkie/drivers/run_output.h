@@ -77,6 +77,12 @@ namespace selkie
                  const Stepper<dim> *stepper,
                  const double        dt);
     void
+    show_forecast(const TimeControl &time);
+    void
+    show_costs(const Summary &summary);
+    void
+    show_errors(const Summary &summary);
+    void
     show_progress(const TimeControl     &time,
                   const double           dt,
                   const StepReport<dim> &report);
@@ -120,7 +126,15 @@ namespace selkie
         return now.energy() + dissipated - external_work - of_volume - initial;
       }
     };
+    /// Of the time steps, on request: sums over them (m).
+    struct TimeErrors
+    {
+      double error = 0, largest = 0, path = 0;
+    };
+
     std::optional<Audit> present; ///< of the last step, if the scene asks
+    TimeErrors           time_errors;
+    double               last_dt = 0; ///< s
     Energies             energies;
     double               next_fields = 0; ///< s
     unsigned long long   unknowns    = 0;

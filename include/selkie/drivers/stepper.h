@@ -12,6 +12,7 @@
 #include <selkie/solver/newton.h>
 #include <selkie/terms/effect_table.h>
 #include <selkie/transfer/nodal_state.h>
+#include <selkie/transfer/recovery_error.h>
 #include <selkie/transfer/transfer.h>
 
 #include <functional>
@@ -35,6 +36,8 @@ namespace selkie
     double             reset_energy  = 0; ///< by the J reset (J)
     double             volume_energy = 0; ///< by the volume correction (J)
     double             crowding      = 0; ///< VolumeCorrection::excess
+    double             time_error    = 0; ///< of the step, rms (m), on request
+    double             moved         = 0; ///< in the step, rms (m), with it
     double             largest_speed = 0; ///< of the nodes (m/s)
     WallForces<dim>    walls;             ///< of the matter on them
   };
@@ -119,6 +122,13 @@ namespace selkie
       return assembler.costs();
     }
 
+    /// What the mesh could not resolve in the last step, of size dt.
+    RecoveryError
+    spatial_error(const double dt) const
+    {
+      return recovery_error(table, unknowns, newmark(dt), fields);
+    }
+
     /// The solver that the last system used, and why it was chosen.
     std::string
     solver_in_use(const double dt) const;
@@ -142,6 +152,8 @@ namespace selkie
     set_pressure_scales(const Newmark &newmark);
     NewtonResult
     solve(const StepTime &time, Vector &residual);
+    void
+    estimate_time_error(const Newmark &newmark, StepReport<dim> &report) const;
     void
     set_predictor(const Newmark &newmark);
     void

@@ -27,8 +27,15 @@ namespace selkie
 
     std::string failure; ///< empty: done; else why the run ended
 
-    std::optional<Audit> audit; ///< at the end
-    ParticleAccounting   accounting;
+    /// Estimates, on request; relative ones to what moved.
+    struct Errors
+    {
+      double time = 0, time_relative = 0, largest_step = 0; ///< m, 1, m
+      double space = 0, space_relative = 0;                 ///< m/s or m, 1
+    };
+    std::optional<Errors> errors;
+    std::optional<Audit>  audit; ///< at the end
+    ParticleAccounting    accounting;
 
     double                         wall_time = 0; ///< s
     std::vector<TimerTree::Row>    timings;

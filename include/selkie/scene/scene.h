@@ -172,11 +172,12 @@ namespace selkie
 
   struct TimeParameters
   {
-    double       end_time      = 1.;   ///< s
-    double       step          = 1e-3; ///< s
-    double       smallest_step = 0.;   ///< s; 0: step / 1024
-    unsigned int easy_steps    = 5;    ///< good steps before a cut step grows
-    double       max_move      = 0.5;  ///< cells a point may move in a step
+    bool         estimate_error = false; ///< of time steps and mesh
+    double       end_time       = 1.;    ///< s
+    double       step           = 1e-3;  ///< s
+    double       smallest_step  = 0.;    ///< s; 0: step / 1024
+    unsigned int easy_steps     = 5;     ///< good steps before a cut step grows
+    double       max_move       = 0.5;   ///< cells a point may move in a step
   };
 
   struct NewtonParameters

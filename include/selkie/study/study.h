@@ -58,7 +58,8 @@ namespace selkie
     std::vector<StudyMember> members; ///< series after series
     unsigned int             ranks       = 1;
     unsigned int             repetitions = 1;
-    double                   time_limit  = 0.; ///< s a run; 0: none
+    unsigned int directions = 0;  ///< in which members are refined; 0: all
+    double       time_limit = 0.; ///< s a run; 0: none
   };
 
   /// @param overrides "--set", for the study's parameters or the scene's, and
