@@ -8,6 +8,7 @@ endif()
 set(text "#pragma once
 #define SELKIE_VERSION \"${VERSION}\"
 #define SELKIE_GIT_HASH \"${hash}\"
+#define SELKIE_SCRIPTS_DIR \"${SOURCE}/scripts\"
 #define SELKIE_BUILD_TYPE \"${BUILD_TYPE}\"
 ")
 if(EXISTS ${OUTPUT})

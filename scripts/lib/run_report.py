@@ -102,7 +102,8 @@ class Run:
                     same(value, default) if default is not None else not given or not value):
                 continue
             in_file = given and same(value, self.original[section, name])
-            result[section, name] = value, "file" if in_file else "command line"
+            result[section, name] = value, ("file" if in_file else "command line" if given else
+                                            "command line, or follows from the scene")
         return result
 
 
@@ -126,7 +127,7 @@ def facts(run):
     rows = [("folder", str(run.folder))]
     for key, value in s.items():
         if key in ("title", "verdict", "failure", "versions", "ranks", "effects",
-                    "final figures", "material points"):
+                   "final figures", "material points"):
             continue
         if isinstance(value, dict):
             rows += [(f"{key}: {k}", number(v, 6)) for k, v in value.items() if not isinstance(v, (dict, list))]

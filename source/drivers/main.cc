@@ -4,6 +4,7 @@
 #include <selkie/drivers/simulation.h>
 #include <selkie/output/compare.h>
 #include <selkie/scene/read_scene.h>
+#include <selkie/version.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -105,8 +106,7 @@ namespace
   int
   make_report(const CommandLine &command_line)
   {
-    const std::string script =
-      std::string(SELKIE_SOURCE_DIR) + "/scripts/report";
+    const std::string script = std::string(SELKIE_SCRIPTS_DIR) + "/report";
     std::vector<std::string> words = {script};
     words.insert(words.end(),
                  command_line.folders.begin(),

@@ -7,6 +7,7 @@
 #include <selkie/study/convergence.h>
 #include <selkie/study/measure.h>
 #include <selkie/study/member_run.h>
+#include <selkie/version.h>
 
 #include <algorithm>
 #include <cmath>
@@ -351,7 +352,7 @@ namespace selkie
     plot(const Study &study)
     {
       const std::string script =
-        std::string(SELKIE_SOURCE_DIR) + "/scripts/plots/study";
+        std::string(SELKIE_SCRIPTS_DIR) + "/plots/study";
       const std::string command = "'" + script + "' '" + study.directory + "'";
       if (std::system((command + " 2>/dev/null").c_str()) != 0)
         std::cout << "No plot: it needs python3 with matplotlib (Debian: "

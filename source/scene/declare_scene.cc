@@ -258,12 +258,6 @@ namespace selkie
     declare_time(ParameterHandler &prm, TimeParameters &time)
     {
       prm.enter_subsection("Time");
-      prm.add_parameter("Estimate errors",
-                        time.estimate_error,
-                        "Whether the run ends with an estimate of its errors: "
-                        "that of each step from the change of the "
-                        "acceleration, that of the mesh from the jumps of the "
-                        "velocity's gradient in the last step. Units: none.");
       prm.add_parameter("End time",
                         time.end_time,
                         "The run starts at 0 and ends here. Units: s.",
@@ -287,6 +281,12 @@ namespace selkie
                         "How far a point may move in a step, in cells; a step "
                         "that would move one farther is cut. Units: none.",
                         Double(0.01, 0.9));
+      prm.add_parameter("Estimate errors",
+                        time.estimate_error,
+                        "Whether the run ends with an estimate of its errors: "
+                        "that of each step from the change of the "
+                        "acceleration, that of the mesh from the jumps of the "
+                        "velocity's gradient in the last step. Units: none.");
       prm.leave_subsection();
     }
 
