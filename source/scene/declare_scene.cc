@@ -1,6 +1,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/scene/parameter_binding.h>
+#include <selkie/scene/parameter_file.h>
 
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
