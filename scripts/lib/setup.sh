@@ -62,10 +62,10 @@ need_packages() {
 # set DEAL_II_DIR brings an own deal.II with its own MPI.
 install_dependencies() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    say "No apt-get here, so nothing is installed. Needed: g++, cmake, ninja, GoogleTest, muParser, and deal.II >= 9.4 with MPI, p4est and Trilinos"
+    say "No apt-get here, so nothing is installed. Needed: g++, cmake, ninja, GoogleTest, muParser, python3 with matplotlib, and deal.II >= 9.4 with MPI, p4est and Trilinos"
     return 0
   fi
-  local packages=(libgtest-dev libmuparser-dev)
+  local packages=(libgtest-dev libmuparser-dev python3-matplotlib)
   command -v cmake >/dev/null || packages+=(cmake)
   command -v ninja >/dev/null || packages+=(ninja-build)
   command -v c++ >/dev/null || packages+=(g++)
