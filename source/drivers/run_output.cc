@@ -124,6 +124,11 @@ namespace selkie
         (time.now() >= next_fields - slack || time.at_end()))
       write_fields(time.now(), time.number(), &stepper, dt);
     if (time.number() == 3)
+      {
+        warm_wall = timers.wall_time();
+        warm_time = time.now();
+      }
+    if (time.number() == 10)
       show_forecast(time);
     show_progress(time, dt, report);
   }
@@ -219,19 +224,22 @@ namespace selkie
     vtu->write(time, step, &mesh);
   }
 
-  /// After the first steps, which tell how long the others take.
+  /// After ten steps, of which the last seven tell how long the others take.
   template <int dim>
   void
   RunOutput<dim>::show_forecast(const TimeControl &time)
   {
-    const double                   spent = timers.wall_time() - start_wall;
+    const double spent = timers.wall_time() - start_wall;
+    const double left  = (time.end() - time.now()) *
+                        (timers.wall_time() - warm_wall) /
+                        (time.now() - warm_time);
     Utilities::System::MemoryStats memory;
     Utilities::System::get_memory_stats(memory);
     const double largest = Utilities::MPI::max(memory.VmHWM / 1024., comm);
     log.line(
       format("Forecast  %s for the whole run, %.0f MB a rank, if it goes "
-             "on as in the first three steps",
-             time_span(spent * time.end() / time.now()).c_str(),
+             "on as in the first ten steps",
+             time_span(spent + left).c_str(),
              largest));
   }
 

@@ -139,5 +139,8 @@ namespace selkie
     double               next_fields = 0; ///< s
     unsigned long long   unknowns    = 0;
     double               start_wall  = 0;
+    /// Wall and simulated time (s) when the first steps, which set things up,
+    /// were over: for the forecast.
+    double warm_wall = 0, warm_time = 0;
   };
 } // namespace selkie
