@@ -170,7 +170,7 @@ namespace selkie
     statistics.set("step cuts", time.cuts());
     if (present)
       set_energies(particles);
-    if (scene.has_fluid() && !scene.lagrangian_mesh())
+    if (scene.corrects_volume())
       statistics.set("crowding", report.crowding);
     statistics.set("points removed", particles.accounting.removed);
     statistics.set("points kept at walls", particles.accounting.kept_at_wall);
@@ -188,8 +188,9 @@ namespace selkie
     if (scene.has_fluid())
       {
         statistics.set("energy of J reset" + unit, energies.of_reset);
-        statistics.set("energy of volume correction" + unit,
-                       energies.of_volume);
+        if (scene.corrects_volume())
+          statistics.set("energy of volume correction" + unit,
+                         energies.of_volume);
       }
     statistics.set("energy balance" + unit, energies.balance(*present));
   }

@@ -128,9 +128,13 @@ namespace selkie
     if (scene.approximation == Approximation::lme_mpm && scene.wall_points)
       {
         TimerTree::Scope scope(timers, "supports");
-        add_wall_points(cloud, *scene.wall_points, table);
+        auto             walls = *scene.wall_points;
+        for (unsigned int w = 0; w < 2 * dim; ++w)
+          walls[w] =
+            walls[w] && scene.domain.walls[w].condition == NodeCondition::slip;
+        add_wall_points(cloud, walls, table);
       }
-    if (scene.has_fluid() && !scene.lagrangian_mesh())
+    if (scene.corrects_volume())
       volume = correct_volume(
         *scene.fluid_pressure, dt, volume_excess, unknowns, table);
   }

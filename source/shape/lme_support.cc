@@ -128,7 +128,6 @@ namespace selkie
           std::copy(cell.values.begin(),
                     cell.values.end(),
                     table.data.begin() + patch.data);
-          ++known.taken;
           return;
         }
       evaluate_patch(cloud, patch, table);
@@ -137,7 +136,6 @@ namespace selkie
       std::copy(table.data.begin() + patch.data,
                 table.data.end(),
                 cell.values.begin());
-      ++known.computed;
     }
   } // namespace
 
@@ -240,7 +238,6 @@ namespace selkie
                 StepPoint<dim> point = table.points[of_cell.first_point];
                 point.mass = point.volume = 0.;
                 point.lambda              = Tensor<1, dim>();
-                point.wall                = face;
                 const auto unit_points    = QProjector<dim>::project_to_face(
                   ReferenceCells::get_hypercube<dim>(), gauss, face);
                 for (unsigned int q = 0; q < gauss.size(); ++q)

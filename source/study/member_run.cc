@@ -6,6 +6,7 @@
 #include <selkie/output/json.h>
 #include <selkie/output/table_file.h>
 #include <selkie/study/member_run.h>
+#include <selkie/version.h>
 
 #include <boost/property_tree/json_parser.hpp>
 #include <boost/property_tree/ptree.hpp>
@@ -19,6 +20,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <numeric>
 #include <thread>
 
@@ -181,11 +183,15 @@ namespace selkie
       result.cpu             = total; // without the start of the program
     }
 
-    /// What identifies a run: the same text, the same run.
+    /// What identifies a run: the same text, the same run. A scene that was
+    /// edited or another build of the program is another run.
     std::string
     key(const Study &study, const Settings &settings)
     {
-      std::string text = study.scene + ", ranks " + std::to_string(study.ranks);
+      std::string text =
+        "selkie " SELKIE_GIT_HASH ", " + study.scene + " (text " +
+        std::to_string(std::hash<std::string>()(read_text(study.scene))) +
+        "), ranks " + std::to_string(study.ranks);
       for (const auto &setting : settings)
         text += ", " + setting;
       return text;

@@ -3,6 +3,7 @@
 #include <selkie/scene/check_scene.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/terms/effect_table.h>
+#include <selkie/terms/elastic_force.h>
 #include <selkie/terms/pressure_force.h>
 
 namespace selkie
@@ -46,23 +47,13 @@ namespace selkie
       {
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
           {
-            const StepPoint<dim> &point = state.point(q);
-            const auto           &kin   = state.kinematics[q];
-            const auto &law = static_cast<const DecoupledLaw &>(*point.law);
-            const Tensor<2, 3> F = kin.f * extend(point.F_n);
-            const Tensor<2, 3> b = left_cauchy_green(F);
-
-            const HyperelasticResponse response =
-              law.shape_response(invariants(b, determinant(F)));
-            const Tensor<2, 3> tau = kirchhoff_stress(response, b);
-            state.forms[q].add_stress(point.volume, tau, kin);
-            if (with_tangent)
-              state.forms[q].add_tangent(
-                point.volume,
-                kin,
-                [&](const Tensor<1, 3> &g_a, const Tensor<1, 3> &g_b) {
-                  return hyperelastic_tangent(response, tau, b, g_a, g_b);
-                });
+            const auto &law =
+              static_cast<const DecoupledLaw &>(*state.point(q).law);
+            add_elastic_stress(
+              state,
+              q,
+              [&law](const Invariants &at) { return law.shape_response(at); },
+              with_tangent);
             add_pressure(state, q, law, with_tangent);
           }
       }

@@ -300,7 +300,8 @@ namespace selkie
     std::vector<Traction<dim>>            tractions;
     std::optional<WallRelease<dim>>       release; ///< wall release
     bool mixed_solids = false;                     ///< mixed pressure
-    /// Walls of which a term wants the wetted faces' Gauss points.
+    /// Walls of which a term wants the wetted faces' Gauss points; those that
+    /// are not `slip` have none.
     std::optional<std::array<bool, 2 * dim>> wall_points;
     std::vector<Probe<dim>>                  probes;
 
@@ -330,6 +331,14 @@ namespace selkie
     has_pressure() const
     {
       return has_fluid() || mixed_solids;
+    }
+
+    /// Whether the drift of the fluids' volume is corrected.
+    bool
+    corrects_volume() const
+    {
+      return has_fluid() && !lagrangian_mesh() &&
+             fluid_pressure->volume_rate > 0.;
     }
 
     /// The phases whose nodes have a pressure, as bits.

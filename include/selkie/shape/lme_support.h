@@ -43,8 +43,6 @@ namespace selkie
       return cells[cell->active_cell_index()];
     }
 
-    unsigned long long taken = 0, computed = 0; ///< cells, for statistics
-
   private:
     std::vector<Cell> cells; ///< by active cell index
   };

@@ -69,7 +69,6 @@ namespace selkie
     double                 J_n = 1;      ///< fluids
     dealii::Point<dim>     X;            ///< reference position, on request
     double                 area     = 0; ///< of a surface, m^2 (m in 2D)
-    unsigned int           wall     = 0; ///< of wall points: x-, x+, y-, …
     unsigned int           body     = 0;
     unsigned int           particle = 0; ///< place in the iteration order
     dealii::Tensor<1, dim> lambda;       ///< LME multiplier found
