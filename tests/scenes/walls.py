@@ -24,6 +24,20 @@ def friction(selkie, folder):
           s["dissipated energy"][-1] / lost - 1, 2e-2)
 
 
+def friction_walls(selkie, folder):
+    """A list of walls that is empty means the slip walls: an open wall that the lump
+    touches does not rub."""
+    settings = ("Domain/Walls/left=free", "Bodies/lump/Shape=box(0, 0, 0.8, 0.4)",
+                "Time/End time=0.1")
+    one = run(selkie, HERE / "friction.prm", folder / "one", settings)
+    # The lump touches neither the right wall nor the top.
+    all_of_them = run(selkie, HERE / "friction.prm", folder / "all",
+                      (*settings, "Wall friction/Walls="))
+    check("difference of the momentum / its start",
+          max(abs(a - b) for a, b in zip(one["momentum x"], all_of_them["momentum x"])) / 160,
+          1e-12)
+
+
 def release(selkie, folder):
     """The floor lets the block go, or not."""
     mass = 1000 * 0.4 * 0.3
