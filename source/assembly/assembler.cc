@@ -5,8 +5,6 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <Epetra_FECrsMatrix.h>
-
 #include <algorithm>
 #include <sstream>
 
@@ -25,6 +23,7 @@ namespace selkie
       gathering,
       integration,
       scattering,
+      hat_matrix,
       first_term
     };
 
@@ -34,7 +33,8 @@ namespace selkie
     {
       std::vector<std::string> parts = {"gather and kinematics",
                                         "block of the patch",
-                                        "scatter"};
+                                        "scatter",
+                                        "hat functions"};
       for (const auto &term : terms)
         parts.push_back(term->name());
       return parts;
@@ -46,6 +46,8 @@ namespace selkie
     : terms(terms)
     , system(system)
     , ledger(ledger_parts<dim>(terms))
+    , tangent(system)
+    , hat_tangent(system)
   {
     for (const auto &term : terms)
       {
@@ -286,17 +288,18 @@ namespace selkie
 
   template <int dim>
   void
-  Assembler<dim>::number_unknowns(const Patch<dim> &patch)
+  Assembler<dim>::number_unknowns(const unsigned int        *nodes,
+                                  const DensePatch<dim>     &dense,
+                                  std::vector<unsigned int> &unknowns) const
   {
-    const unsigned int n = patch.n_nodes;
+    const unsigned int n = dense.n_nodes;
     unknowns.resize(dense.n_components * n);
     for (unsigned int a = 0; a < n; ++a)
       {
-        const unsigned int node = state.table->nodes[patch.first_node + a];
         for (unsigned int d = 0; d < dim; ++d)
-          unknowns[d * n + a] = system.displacement(node) + d;
+          unknowns[d * n + a] = system.displacement(nodes[a]) + d;
         if (dense.n_components > dim)
-          unknowns[dim * n + a] = system.pressure(node);
+          unknowns[dim * n + a] = system.pressure(nodes[a]);
       }
   }
 
@@ -307,7 +310,9 @@ namespace selkie
   Assembler<dim>::prepare(const Kernel &kernel, const Patch<dim> &patch)
   {
     dense.reinit(patch, kernel.with_pressure);
-    number_unknowns(patch);
+    number_unknowns(state.table->nodes.data() + patch.first_node,
+                    dense,
+                    unknowns);
     state.patch = &patch;
     state.h     = patch.cell->extent_in_direction(0);
     state.forms.assign(patch.n_points, PointForm<dim>());
@@ -322,7 +327,6 @@ namespace selkie
   bool
   Assembler<dim>::add_patch(const Kernel     &kernel,
                             const Patch<dim> &patch,
-                            const double      pressure_unit,
                             const bool        with_tangent,
                             Vector           &residual)
   {
@@ -347,9 +351,27 @@ namespace selkie
     book(integration);
     scatter_residual(patch, residual);
     if (with_tangent && !kernel.block.empty())
-      scatter_tangent(patch, pressure_unit);
+      tangent.add(unknowns, dense);
     book(scattering);
+    if (with_tangent && !kernel.block.empty() && system.hats())
+      {
+        add_hats(kernel);
+        book(hat_matrix);
+      }
     return true;
+  }
+
+  /// The forms of the present patch with the hat functions of its cell.
+  template <int dim>
+  void
+  Assembler<dim>::add_hats(const Kernel &kernel)
+  {
+    const PatchState<dim> &hats = hat_patch.of(state, system.cloud);
+    hat_dense.reinit(*hats.patch, kernel.with_pressure);
+    number_unknowns(hats.table->nodes.data(), hat_dense, hat_unknowns);
+    for (const auto step : kernel.block)
+      (hat_dense.*step)(hats);
+    hat_tangent.add(hat_unknowns, hat_dense);
   }
 
   template <int dim>
@@ -365,7 +387,12 @@ namespace selkie
     begin(table, time, fields);
     residual = 0.;
     if (with_tangent)
-      system.matrix() = 0.;
+      tangent.begin(system.matrix(), system.matrix_columns(), pressure_unit);
+    const bool with_hats = with_tangent && system.hats();
+    if (with_hats)
+      hat_tangent.begin(*system.hats(),
+                        system.matrix_columns_of_hats(),
+                        pressure_unit);
 
     std::string failure;
     for (const auto &patch : table.patches)
@@ -373,7 +400,7 @@ namespace selkie
         {
           const Kernel &kernel = kernels[patch.index()];
           if (!kernel.terms.empty() &&
-              !add_patch(kernel, patch, pressure_unit, with_tangent, residual))
+              !add_patch(kernel, patch, with_tangent, residual))
             {
               std::ostringstream out;
               out << "a point of the cell at (" << patch.cell->center()
@@ -392,7 +419,9 @@ namespace selkie
 
     residual.compress(VectorOperation::add);
     if (with_tangent)
-      system.matrix().compress(VectorOperation::add);
+      tangent.finish();
+    if (with_hats)
+      hat_tangent.finish();
     if (!node_terms.empty())
       add_at_nodes(time, fields, with_tangent, residual);
   }
@@ -414,26 +443,9 @@ namespace selkie
                          residual,
                          with_tangent ? &diagonal : nullptr);
     if (with_tangent)
-      add_diagonal(diagonal);
-  }
-
-  template <int dim>
-  void
-  Assembler<dim>::add_diagonal(const Vector &diagonal)
-  {
-    int    *row_start, *column;
-    double *values;
-    auto   &matrix =
-      const_cast<Epetra_CrsMatrix &>(system.matrix().trilinos_matrix());
-    matrix.ExtractCrsDataPointers(row_start, column, values);
-    for (unsigned int i = 0; i < diagonal.locally_owned_size(); ++i)
-      if (diagonal.local_element(i) != 0.)
-        for (int k = row_start[i]; k < row_start[i + 1]; ++k)
-          if (column[k] == system.column(i))
-            {
-              values[k] += diagonal.local_element(i);
-              break;
-            }
+      tangent.add_diagonal(diagonal);
+    if (with_tangent && system.hats())
+      hat_tangent.add_diagonal(diagonal);
   }
 
   template <int dim>
@@ -472,81 +484,6 @@ namespace selkie
       for (unsigned int a = 0; a < patch.n_nodes; ++a)
         residual.local_element(unknowns[c * patch.n_nodes + a]) +=
           dense.force[c * dense.n_padded + a];
-  }
-
-  template <int dim>
-  void
-  Assembler<dim>::scatter_tangent(const Patch<dim> &patch,
-                                  const double      pressure_unit)
-  {
-    int    *row_start, *column;
-    double *values;
-    auto   &matrix =
-      const_cast<Epetra_CrsMatrix &>(system.matrix().trilinos_matrix());
-    matrix.ExtractCrsDataPointers(row_start, column, values);
-    const unsigned int n = patch.n_nodes, n_owned = system.n_owned();
-    if (positions.size() < static_cast<unsigned int>(matrix.NumMyCols()))
-      positions.resize(matrix.NumMyCols());
-
-    for (unsigned int a = 0; a < n; ++a)
-      for (unsigned int c = 0; c < dense.n_components; ++c)
-        {
-          const unsigned int row      = unknowns[c * n + a];
-          const double      *block    = dense.row(a, c);
-          const double       row_unit = c == dim ? pressure_unit : 1.;
-          if (row >= n_owned)
-            {
-              add_row(row, patch, row_unit, pressure_unit, block);
-              continue;
-            }
-          // Displacement rows of a node share their columns.
-          if (c == 0 || c == dim)
-            for (int k = row_start[row]; k < row_start[row + 1]; ++k)
-              positions[column[k]] = k - row_start[row];
-          double    *row_values = values + row_start[row];
-          const bool row_held   = system.held(row);
-          for (unsigned int k = 0; k < dense.n_components; ++k)
-            {
-              const double unit = row_unit * (k == dim ? pressure_unit : 1.);
-              for (unsigned int b = 0; b < n; ++b)
-                {
-                  const unsigned int col = unknowns[k * n + b];
-                  if ((row_held || system.held(col)) && row != col)
-                    continue;
-                  row_values[positions[system.column(col)]] +=
-                    unit * block[k * dense.n_padded + b];
-                }
-            }
-        }
-  }
-
-  template <int dim>
-  void
-  Assembler<dim>::add_row(const unsigned int row,
-                          const Patch<dim>  &patch,
-                          const double       row_unit,
-                          const double       pressure_unit,
-                          const double      *block)
-  {
-    const auto        &partition = *system.partitioner();
-    const unsigned int n         = patch.n_nodes;
-    global_columns.clear();
-    row_values.clear();
-    for (unsigned int k = 0; k < dense.n_components; ++k)
-      for (unsigned int b = 0; b < n; ++b)
-        {
-          const unsigned int col = unknowns[k * n + b];
-          if ((system.held(row) || system.held(col)) && row != col)
-            continue;
-          global_columns.push_back(partition.local_to_global(col));
-          row_values.push_back(row_unit * (k == dim ? pressure_unit : 1.) *
-                               block[k * dense.n_padded + b]);
-        }
-    system.matrix().add(partition.local_to_global(row),
-                        global_columns.size(),
-                        global_columns.data(),
-                        row_values.data(),
-                        false);
   }
 
   template class Assembler<2>;

@@ -11,77 +11,73 @@ namespace selkie
     , cloud(cloud)
     , of_wall{}
     , mask(cloud.size(), 0)
-    , of_sets(cloud.size(), 0)
+    , of_nodes(cloud.size(), 0)
     , on_walls(cloud.size(), 0)
     , motion_of(cloud.size(), 0)
   {
     const double tolerance = 1e-8 * cloud.smallest_spacing();
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
-        const Wall<dim>   &wall = scene.domain.walls[w];
-        const unsigned int d    = w / 2;
-        for (unsigned int i = 0; i < dim; ++i)
-          of_wall[w] |= wall.components[i] ? 1u << i : 0u;
-        const double plane =
+        const unsigned int d = w / 2;
+        const double       plane =
           (w % 2 == 0) ? scene.domain.lower[d] : scene.domain.upper[d];
         for (unsigned int node = 0; node < cloud.size(); ++node)
           if (std::abs(cloud.position(node)[d] - plane) < tolerance)
             on_walls[node] |= 1u << w;
       }
-    place_sets(0.);
+    find(0.);
   }
 
   template <int dim>
   void
-  NodeConditions<dim>::place_sets(const double t)
+  NodeConditions<dim>::find(const double t)
   {
     motions.clear();
-    std::fill(of_sets.begin(), of_sets.end(), 0);
+    of_wall.fill(0);
+    std::fill(of_nodes.begin(), of_nodes.end(), 0);
     std::fill(motion_of.begin(), motion_of.end(), 0);
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (scene.domain.walls[w].condition == NodeCondition::prescribed)
-        {
-          const auto velocity = scene.domain.walls[w].velocity;
-          motions.push_back([velocity](const Point<dim> &x, const double time) {
-            return velocity->value(x, time, x);
-          });
-          for (unsigned int node = 0; node < cloud.size(); ++node)
-            if ((on_walls[node] >> w) & 1u)
-              motion_of[node] = motions.size();
-        }
-    for (const auto &set : scene.node_sets)
-      place(set, t);
+    for (const auto &active : scene.effects)
+      active.effect->hold(scene, cloud, t, *this);
     for (unsigned int node = 0; node < cloud.size(); ++node)
       release(node, 0);
   }
 
   template <int dim>
-  void
-  NodeConditions<dim>::place(const NodeSet<dim> &set, const double t)
+  unsigned int
+  NodeConditions<dim>::number_of(const Motion &motion)
   {
-    if (set.condition == NodeCondition::prescribed)
-      motions.push_back(
-        [velocity = set.velocity](const Point<dim> &x, const double time) {
-          return velocity->value(x, time, x);
-        });
-    if (set.condition == NodeCondition::moving)
-      motions.push_back([path = set.path](const Point<dim> &x,
-                                          const double      time) {
-        constexpr double h = 1e-6; // s; central difference
-        return (path->value(x, time + h) - path->value(x, time - h)) / (2. * h);
-      });
-    const Tensor<1, dim> moved = set.condition == NodeCondition::moving
-                                   ? set.path->value(Point<dim>(), t)
-                                   : Tensor<1, dim>();
-    for (unsigned int node = 0; node < cloud.size(); ++node)
-      if (set.shape->contains(cloud.position(node) - moved))
-        {
-          for (unsigned int d = 0; d < dim; ++d)
-            if (set.components[d])
-              of_sets[node] |= 1u << d;
-          if (set.condition != NodeCondition::fixed)
-            motion_of[node] = motions.size();
-        }
+    if (!motion)
+      return 0;
+    motions.push_back(motion);
+    return motions.size();
+  }
+
+  template <int dim>
+  void
+  NodeConditions<dim>::hold_wall(const unsigned int wall,
+                                 const unsigned int components,
+                                 const Motion      &motion)
+  {
+    of_wall[wall]             = components;
+    const unsigned int number = number_of(motion);
+    for (unsigned int node = 0; number != 0 && node < cloud.size(); ++node)
+      if ((on_walls[node] >> wall) & 1u)
+        motion_of[node] = number;
+  }
+
+  template <int dim>
+  void
+  NodeConditions<dim>::hold_nodes(const std::vector<unsigned int> &nodes,
+                                  const unsigned int               components,
+                                  const Motion                    &motion)
+  {
+    const unsigned int number = number_of(motion);
+    for (const unsigned int node : nodes)
+      {
+        of_nodes[node] |= components;
+        if (number != 0)
+          motion_of[node] = number;
+      }
   }
 
   template <int dim>
@@ -89,7 +85,7 @@ namespace selkie
   NodeConditions<dim>::release(const unsigned int node,
                                const unsigned int walls)
   {
-    mask[node] = of_sets[node];
+    mask[node] = of_nodes[node];
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (((on_walls[node] & ~walls) >> w) & 1u)
         mask[node] |= of_wall[w];

@@ -133,16 +133,17 @@ namespace selkie
     return hash;
   }
 
+  /// A matrix in which the nodes of each list couple with each other: all
+  /// displacements, and the pressures of the lists that have one.
   template <int dim>
-  void
-  System<dim>::build_sparsity(const SupportTable<dim> &table)
+  typename System<dim>::Matrix
+  System<dim>::make_matrix(const std::vector<Coupling> &couplings) const
   {
-    // Node by node first: a row of a node couples with the nodes of all the
-    // patches that it belongs to.
-    std::vector<std::vector<const Patch<dim> *>> patches_of(cloud.size());
-    for (const auto &patch : table.patches)
-      for (unsigned int a = 0; patch.matter && a < patch.n_nodes; ++a)
-        patches_of[table.nodes[patch.first_node + a]].push_back(&patch);
+    // Node by node: a row of a node couples with all lists that it is in.
+    std::vector<std::vector<const Coupling *>> lists_of(cloud.size());
+    for (const auto &coupling : couplings)
+      for (const unsigned int node : coupling.nodes)
+        lists_of[node].push_back(&coupling);
 
     std::vector<unsigned int> seen(cloud.size(), 0);
     unsigned int              visit      = 0;
@@ -151,11 +152,10 @@ namespace selkie
                                 std::vector<unsigned int> &list) {
       list.clear();
       ++visit;
-      for (const Patch<dim> *patch : patches_of[node])
-        if (!with_pressure || ((pressure_phases >> patch->phase) & 1u))
-          for (unsigned int b = 0; b < patch->n_nodes; ++b)
+      for (const Coupling *coupling : lists_of[node])
+        if (!with_pressure || coupling->pressure)
+          for (const unsigned int other : coupling->nodes)
             {
-              const unsigned int other = table.nodes[patch->first_node + b];
               if (seen[other] != visit)
                 list.push_back(other);
               seen[other] = visit;
@@ -206,14 +206,77 @@ namespace selkie
     const auto    &own  = partition->locally_owned_range();
     if (Utilities::MPI::n_mpi_processes(comm) > 1)
       SparsityTools::distribute_sparsity_pattern(pattern, own, comm, relevant);
-    tangent = std::make_shared<TrilinosWrappers::SparseMatrix>();
-    tangent->reinit(own, own, pattern, comm, true);
+    Matrix result;
+    result.values = std::make_shared<TrilinosWrappers::SparseMatrix>();
+    result.values->reinit(own, own, pattern, comm, true);
 
-    columns.resize(is_held.size());
-    for (unsigned int i = 0; i < columns.size(); ++i)
-      columns[i] = tangent->trilinos_matrix().ColMap().LID(
+    result.columns.resize(is_held.size());
+    for (unsigned int i = 0; i < result.columns.size(); ++i)
+      result.columns[i] = result.values->trilinos_matrix().ColMap().LID(
         static_cast<int>(partition->local_to_global(i)));
+    return result;
+  }
+
+  template <int dim>
+  void
+  System<dim>::build_sparsity(const SupportTable<dim> &table)
+  {
+    std::vector<Coupling> couplings;
+    for (const auto &patch : table.patches)
+      if (patch.matter)
+        {
+          const auto first = table.nodes.begin() + patch.first_node;
+          couplings.push_back({{first, first + patch.n_nodes},
+                               bool((pressure_phases >> patch.phase) & 1u)});
+        }
+    auto matrix = make_matrix(couplings);
+    tangent     = std::move(matrix.values);
+    columns     = std::move(matrix.columns);
     ++sparsity_builds;
+    hat_tangent.reset();
+    if (hats_wanted)
+      build_hats(table);
+  }
+
+  template <int dim>
+  void
+  System<dim>::build_hats(const SupportTable<dim> &table)
+  {
+    std::vector<Coupling> couplings;
+    for (const auto &patch : table.patches)
+      if (patch.matter)
+        {
+          const auto corners = cloud.corners(patch.cell);
+          couplings.push_back({{corners.begin(), corners.end()},
+                               bool((pressure_phases >> patch.phase) & 1u)});
+        }
+    auto matrix = make_matrix(couplings);
+    hat_tangent = std::move(matrix.values);
+    hat_columns = std::move(matrix.columns);
+  }
+
+  template <int dim>
+  void
+  System<dim>::want_hats(const SupportTable<dim> &table)
+  {
+    hats_wanted = true;
+    if (!hat_tangent)
+      build_hats(table);
+  }
+
+  template <int dim>
+  bool
+  System<dim>::corner_pressures(const typename NodeCloud<dim>::Cell &cell,
+                                CornerIndices &indices) const
+  {
+    const auto corners = cloud.corners(cell);
+    for (unsigned int k = 0; k < corners.size(); ++k)
+      {
+        indices[k] = pressure(corners[k]);
+        if (indices[k] == invalid_index)
+          return false;
+      }
+    return true;
   }
 
   template class System<2>;

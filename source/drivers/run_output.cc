@@ -86,10 +86,12 @@ namespace selkie
     for (const auto &active : scene.effects)
       if (auto recorder = active.effect->recorder(particles))
         recordings.push_back({std::move(recorder)});
-    if (scene.output.audit == AuditLevel::figures)
+    if (scene.audit)
       {
-        present          = audit(particles);
-        energies.initial = present->energy();
+        present            = audit(particles);
+        energies.initial   = present->energy();
+        energies.potential = present->potential;
+        initial_volume     = present->volume;
       }
     write_fields(0., 0, nullptr, scene.time.step);
     record_effects(0., stepper, WallForces<dim>());
@@ -115,7 +117,10 @@ namespace selkie
     last_dt             = dt;
     unknowns            = std::max(unknowns, report.unknowns);
     if (present)
-      present = audit(particles);
+      {
+        present = audit(particles);
+        judge(particles, time.now(), report);
+      }
     write_row(particles, time, dt, report);
 
     record_effects(time.now(), stepper, report.walls);
@@ -131,6 +136,43 @@ namespace selkie
     if (time.number() == 10)
       show_forecast(time);
     show_progress(time, dt, report);
+  }
+
+  /// Holds the figures of the step against the scene's limits.
+  template <int dim>
+  void
+  RunOutput<dim>::judge(const ParticleSet<dim> &particles,
+                        const double            t,
+                        const StepReport<dim>  &report)
+  {
+    const AuditLimits &limits = *scene.audit;
+    const auto        &points = particles.accounting;
+    const auto change = [](const double now, const double before) {
+      return std::abs(now - before) / before;
+    };
+    verdict.look("energy gain",
+                 energies.balance(*present) / energies.in_play(*present),
+                 limits.energy_gain,
+                 t);
+    verdict.look("mass change",
+                 change(present->mass + points.removed_mass,
+                        points.seeded_mass),
+                 limits.mass,
+                 t);
+    if (!scene.has_solid() && points.removed == 0)
+      verdict.look("volume change",
+                   change(present->volume, initial_volume),
+                   limits.volume,
+                   t);
+    verdict.look("smallest J", present->min_J, limits.smallest_J, t, true);
+    if (scene.inertia && !scene.lagrangian_mesh() && present->kinetic > 0.)
+      verdict.look("unseen energy",
+                   (present->kinetic - report.kinetic) /
+                     energies.in_play(*present),
+                   limits.unseen_energy,
+                   t);
+    if (scene.has_pressure())
+      verdict.look("checkerboard", report.checkerboard, limits.checkerboard, t);
   }
 
   template <int dim>
@@ -169,7 +211,7 @@ namespace selkie
     statistics.set("max lambda iterations", report.max_lambda_iterations);
     statistics.set("step cuts", time.cuts());
     if (present)
-      set_energies(particles);
+      set_energies(particles, report);
     if (scene.corrects_volume())
       statistics.set("crowding", report.crowding);
     statistics.set("points removed", particles.accounting.removed);
@@ -179,9 +221,21 @@ namespace selkie
 
   template <int dim>
   void
-  RunOutput<dim>::set_energies(const ParticleSet<dim> &particles)
+  RunOutput<dim>::set_energies(const ParticleSet<dim> &particles,
+                               const StepReport<dim>  &report)
   {
     set_columns(*present, particles, statistics);
+    if (scene.inertia)
+      {
+        statistics.set(dim == 2 ? "nodes' kinetic energy (J/m)" :
+                                  "nodes' kinetic energy (J)",
+                       report.kinetic);
+        statistics.set(dim == 2 ? "smallest node mass (kg/m)" :
+                                  "smallest node mass (kg)",
+                       report.smallest_node_mass);
+      }
+    if (scene.has_pressure())
+      statistics.set("pressure checkerboard", report.checkerboard);
     const std::string unit = dim == 2 ? " (J/m)" : " (J)";
     statistics.set("dissipated energy" + unit, energies.dissipated);
     statistics.set("external work" + unit, energies.external_work);
@@ -320,6 +374,8 @@ namespace selkie
     summary.end_time        = time.now();
     summary.failure         = failure;
     summary.audit           = present;
+    if (present)
+      summary.verdict = verdict;
     summary.accounting      = particles.accounting;
     summary.wall_time       = timers.wall_time();
     summary.timings         = timers.rows();
@@ -351,13 +407,11 @@ namespace selkie
     show_errors(summary);
     if (!present)
       return;
-    const double scale   = std::max({std::abs(energies.initial),
-                                     present->kinetic + present->strain,
-                                     std::abs(present->potential)});
     const double balance = energies.balance(*present);
     log.line(format("Energy    balance %.3g J (%.2g of the energy in play)",
                     balance,
-                    balance / (scale > 0. ? scale : 1.)));
+                    balance / energies.in_play(*present)));
+    log.line("Audit     " + verdict.text());
   }
 
   template <int dim>
@@ -367,6 +421,7 @@ namespace selkie
                          const TimeControl      &time)
   {
     close(particles, stepper, time, "");
+    log.line("Time step ruled by " + time.rules());
     log.line(format("Done      %u steps to t = %g s in %s, %u cuts",
                     time.number(),
                     time.now(),

@@ -50,6 +50,17 @@ namespace selkie
       return parameters;
     }
 
+    /// Of the stiffest body (m/s).
+    template <int dim>
+    double
+    sound_speed(const Scene<dim> &scene)
+    {
+      double speed = 0.;
+      for (const auto &body : scene.bodies)
+        speed = std::max(speed, body.law->sound_speed());
+      return speed;
+    }
+
     /// One step, tried again with smaller ones until it succeeds. Throws
     /// NumericalFailure when the smallest step fails, too.
     template <int dim>
@@ -89,7 +100,9 @@ namespace selkie
       scene, particles, *setup->cloud, timers, [&log](const std::string &text) {
         log.line("  " + text);
       });
-    TimeControl time(time_parameters(scene), setup->cloud->smallest_spacing());
+    TimeControl time(time_parameters(scene),
+                     setup->cloud->smallest_spacing(),
+                     sound_speed(scene));
 
     stepper.start(time.now(), time.step());
     output.start(particles, stepper);
@@ -106,7 +119,7 @@ namespace selkie
             return 2;
           }
         const double dt = time.step();
-        time.advance(report.largest_speed);
+        time.advance(report.largest_speed, report.time_error);
         output.record(particles, stepper, time, dt, report);
       }
     output.finish(particles, stepper, time);
@@ -123,20 +136,22 @@ namespace selkie
     Setup<dim>   setup(scene, comm);
     Stepper<dim> stepper(
       scene, setup.particles, *setup.cloud, timers, [](const std::string &) {});
-    TimeControl time(time_parameters(scene), setup.cloud->smallest_spacing());
+    TimeControl time(time_parameters(scene),
+                     setup.cloud->smallest_spacing(),
+                     sound_speed(scene));
     stepper.start(time.now(), time.step());
     // The first step finds a new pattern and starts from rest; the next ones
     // are more like all others.
     auto before = timers.rows();
     auto report = stepper.step(time.now(), time.step());
-    time.advance(report.largest_speed);
+    time.advance(report.largest_speed, report.time_error);
     if (!time.at_end())
       before = timers.rows();
     constexpr unsigned int n_steps = 3;
     for (unsigned int i = 0; i < n_steps && !time.at_end(); ++i)
       {
         report = stepper.step(time.now(), time.step());
-        time.advance(report.largest_speed);
+        time.advance(report.largest_speed, report.time_error);
       }
     describe_plan(
       scene, setup.particles, stepper, report, before, timers.rows(), log);

@@ -96,7 +96,7 @@ namespace selkie
                     return set.condition == NodeCondition::moving;
                   });
     if (moving)
-      conditions.place_sets(t);
+      conditions.find(t);
     if (release)
       release->begin_step(cloud);
   }
@@ -153,6 +153,7 @@ namespace selkie
         if (body.law->phase() == Phase::solid)
           traits.has_solid = true;
       }
+    traits.lme   = scene.approximation == Approximation::lme_mpm;
     traits.mixed = scene.has_pressure();
     for (const auto &term : terms)
       traits.symmetric = traits.symmetric && term->symmetric(newmark, h);
@@ -170,25 +171,6 @@ namespace selkie
                             fields.a_n.local_element(i));
   }
 
-  namespace
-  {
-    /// Norms of the displacement and pressure parts, free unknowns only.
-    template <int dim>
-    std::array<double, 2>
-    norms(const System<dim> &system, const Vector &residual)
-    {
-      std::array<double, 2> sums{};
-      for (unsigned int i = 0; i < system.n_owned(); ++i)
-        if (!system.held(i))
-          sums[i < system.n_owned_displacements() ? 0 : 1] +=
-            residual.local_element(i) * residual.local_element(i);
-      for (double &sum : sums)
-        sum =
-          std::sqrt(Utilities::MPI::sum(sum, residual.get_mpi_communicator()));
-      return sums;
-    }
-  } // namespace
-
   /// Newton starts from the predictor or, if that leaves a smaller residual,
   /// from rest: an explicit step far beyond the sound CFL of a stiff body bends
   /// it more than Newton can mend (water put on a steel plate).
@@ -201,16 +183,16 @@ namespace selkie
     if (!scene.inertia)
       {
         // Loads and reactions are the forces in play.
-        assembler.assemble(table, time, fields, pressure_unit, false, residual);
-        scale_u = std::max(scale_u, residual.l2_norm());
+        assembler.assemble(table, time, fields, scales.pressure_unit, false, residual);
+        scales.u = std::max(scales.u, residual.l2_norm());
         return;
       }
     const auto error = [&] {
       try
         {
           assembler.assemble(
-            table, time, fields, pressure_unit, false, residual);
-          return norms(unknowns, residual)[0];
+            table, time, fields, scales.pressure_unit, false, residual);
+          return residual_norms(unknowns, residual)[0];
         }
       catch (const InvertedPoint &)
         {
@@ -232,39 +214,15 @@ namespace selkie
     fields.x.update_ghost_values();
   }
 
-  /// The size of the forces in play: weight and inertia of the nodes
-  /// (formulation.md, section 5).
+  /// The acceleration that the terms give to all matter (m/s^2).
   template <int dim>
   double
-  Stepper<dim>::residual_scale(const Newmark &newmark) const
+  Stepper<dim>::acceleration_scale() const
   {
-    double g = 0., sum = 0.;
+    double sum = 0.;
     for (const auto &term : terms)
-      g += term->acceleration_scale();
-    for (unsigned int i = 0;
-         scene.inertia && i < unknowns.n_owned_displacements();
-         ++i)
-      {
-        const double M = fields.mass.local_element(i);
-        sum += std::pow(M * g, 2) +
-               std::pow(M * newmark.alpha1 * fields.x.local_element(i), 2) +
-               std::pow(M * newmark.alpha2 * fields.v_n.local_element(i), 2);
-      }
-    const double forces =
-      std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
-
-    // Round-off of strains of order 1, summed over the points around a node
-    // (some 8), is the least that can be asked for.
-    double stiffness = 0.;
-    for (const auto &body : scene.bodies)
-      stiffness =
-        std::max(stiffness,
-                 body.law->density() * std::pow(body.law->sound_speed(), 2));
-    const double round_off = 8. * std::numeric_limits<double>::epsilon() *
-                             stiffness *
-                             std::pow(cloud.smallest_spacing(), dim - 1) *
-                             std::sqrt(double(unknowns.n_global()));
-    return std::max(forces, round_off / scene.newton.tolerance);
+      sum += term->acceleration_scale();
+    return sum;
   }
 
   template <int dim>
@@ -274,33 +232,35 @@ namespace selkie
     NewtonProblem problem;
     problem.residual = [this, &time](Vector &, Vector &residual) {
       TimerTree::Scope scope(timers, "residual");
-      assembler.assemble(table, time, fields, pressure_unit, false, residual);
+      assembler.assemble(table, time, fields, scales.pressure_unit, false, residual);
     };
-    problem.solve = [this, &time](Vector &, const Vector &, Vector &dx) {
-      Vector rhs(dx);
+    problem.solve = [this, &time](Vector &,
+                                  const Vector &,
+                                  Vector      &dx,
+                                  const double tolerance) {
+      Vector             rhs(dx);
+      const SystemTraits what = traits(time.newmark);
+      if (linear_solver.wants_hats(unknowns, what))
+        unknowns.want_hats(table);
       {
         TimerTree::Scope scope(timers, "tangent");
-        assembler.assemble(table, time, fields, pressure_unit, true, rhs);
+        assembler.assemble(table, time, fields, scales.pressure_unit, true, rhs);
       }
       TimerTree::Scope   scope(timers, "linear solve");
       const unsigned int n_u = unknowns.n_owned_displacements();
       for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
         rhs.local_element(i) *= unknowns.held(i) ? 0.
                                 : i < n_u        ? -1.
-                                                 : -pressure_unit;
+                                                 : -scales.pressure_unit;
       const auto report =
-        linear_solver.solve(unknowns, traits(time.newmark), rhs, dx);
+        linear_solver.solve(unknowns, what, tolerance, rhs, dx);
       for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
-        dx.local_element(i) *= pressure_unit;
+        dx.local_element(i) *= scales.pressure_unit;
       return report.iterations;
     };
     problem.error = [this](const Vector &residual) {
-      const auto [R_u, R_p]  = norms(unknowns, residual);
-      const double tolerance = scene.newton.tolerance;
-      // R_p counts volume: it is asked for three more digits, since the
-      // pressure is K times the volume's relative error.
-      return std::max(R_u / (tolerance * scale_u),
-                      scale_p > 0. ? R_p / (1e-3 * tolerance * scale_p) : 0.);
+      return scales.error(residual_norms(unknowns, residual),
+                          scene.newton.tolerance);
     };
     problem.step_size = [this](const Vector &dx) {
       double largest = 0.;
@@ -332,8 +292,8 @@ namespace selkie
 
     Vector residual;
     unknowns.initialize(residual);
-    scale_u = residual_scale(time.newmark);
-    set_pressure_scales(time.newmark);
+    scales = ResidualScales::of_step(
+      scene, unknowns, fields, time.newmark, acceleration_scale());
 
     StepReport<dim> report;
     {
@@ -341,8 +301,10 @@ namespace selkie
       report.newton = solve(time, residual);
       collect(time, residual, report);
     }
-    if (scene.time.estimate_error && scene.inertia)
-      estimate_time_error(time.newmark, report);
+    if (scene.inertia && (scene.time.estimate_error ||
+                          scene.time.largest_error > 0.))
+      estimate_time_error(
+        unknowns, fields, time.newmark, *scene.inertia, report);
     TimerTree::Scope scope(timers, "update");
     report.reset_energy =
       advance(particles, table, unknowns, time.newmark, fields).reset_energy;
@@ -356,56 +318,6 @@ namespace selkie
     return report;
   }
 
-  /// Newmark's local error in the displacement, dt^2 |beta - 1/6| |a - a_n|
-  /// (Zienkiewicz & Xie 1991), and the first order part dt^2 |gamma - 1/2| of a
-  /// damped scheme; weighted with the nodes' masses.
-  template <int dim>
-  void
-  Stepper<dim>::estimate_time_error(const Newmark   &newmark,
-                                    StepReport<dim> &report) const
-  {
-    const double factor = newmark.dt * newmark.dt *
-                          (std::abs(scene.inertia->newmark_beta - 1. / 6.) +
-                           std::abs(scene.inertia->newmark_gamma - 0.5));
-    double sums[3] = {0., 0., 0.}; // of squared error, squared move, mass
-    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
-      {
-        const double M   = fields.mass.local_element(i);
-        const double x   = fields.x.local_element(i);
-        const double a_n = fields.a_n.local_element(i);
-        const double a =
-          newmark.acceleration(x, fields.v_n.local_element(i), a_n);
-        sums[0] += M * std::pow(factor * (a - a_n), 2);
-        sums[1] += M * x * x;
-        sums[2] += M / dim;
-      }
-    for (double &sum : sums)
-      sum = Utilities::MPI::sum(sum, particles.communicator());
-    report.time_error = std::sqrt(sums[0] / sums[2]);
-    report.moved      = std::sqrt(sums[1] / sums[2]);
-  }
-
-  /// The sizes of volumes and pressures in play.
-  template <int dim>
-  void
-  Stepper<dim>::set_pressure_scales(const Newmark &newmark)
-  {
-    scale_p       = 0.;
-    pressure_unit = 1.;
-    if (!scene.has_pressure())
-      return;
-    double sum = 0.;
-    for (const unsigned int node : unknowns.owned_pressure_nodes())
-      sum += std::pow(cloud.volume(node), 2);
-    scale_p = std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
-    for (const auto &body : scene.bodies)
-      if (body.law->phase() == Phase::fluid)
-        pressure_unit =
-          std::max(pressure_unit,
-                   body.law->density() * std::pow(cloud.smallest_spacing(), 2) *
-                     newmark.alpha1);
-  }
-
   /// Newton, and again while walls let nodes go or catch them. The residual is
   /// that of the solution.
   template <int dim>
@@ -413,24 +325,27 @@ namespace selkie
   Stepper<dim>::solve(const StepTime &time, Vector &residual)
   {
     choose_first_guess(time);
+    const ForcingTerms forcing{scene.linear_solver.tolerance,
+                               scene.linear_solver.loosest};
+    linear_solver.forget();
     NewtonResult total;
     bool         again = false;
     do
       {
         const auto result =
-          newton(newton_problem(time), scene.newton, fields.x);
+          newton(newton_problem(time), scene.newton, forcing, fields.x);
         total.iterations += result.iterations;
         total.linear_iterations += result.linear_iterations;
         total.errors.insert(total.errors.end(),
                             result.errors.begin(),
                             result.errors.end());
-        assembler.assemble(table, time, fields, pressure_unit, false, residual);
+        assembler.assemble(table, time, fields, scales.pressure_unit, false, residual);
         fields.x.update_ghost_values();
         // A pull that Newton's tolerance could explain is none.
         again =
           release && release->correct(occupancy,
                                       residual,
-                                      10. * scene.newton.tolerance * scale_u,
+                                      10. * scene.newton.tolerance * scales.u,
                                       unknowns,
                                       fields);
     } while (again);
@@ -443,48 +358,14 @@ namespace selkie
                         const Vector    &residual,
                         StepReport<dim> &report)
   {
-    const MPI_Comm comm = particles.communicator();
-    report.walls.force.assign(2 * dim, Tensor<1, dim>());
-    report.walls.moment.assign(2 * dim, Tensor<1, 3>());
-    double reaction_work = 0., speed = 0.;
-    for (const unsigned int node : unknowns.owned_nodes())
-      {
-        const unsigned int u     = unknowns.displacement(node);
-        const unsigned int walls = conditions.walls(node);
-        double             v2    = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            v2 += std::pow(fields.velocity(time.newmark, u + d), 2);
-            if (!unknowns.held(u + d))
-              continue;
-            const double R = residual.local_element(u + d);
-            reaction_work += R * fields.x.local_element(u + d);
-            // A corner's reaction goes to the wall that it is normal to.
-            unsigned int wall = 2 * dim;
-            for (unsigned int w = 0; w < 2 * dim; ++w)
-              if ((walls >> w) & 1u)
-                if (wall == 2 * dim || w / 2 == d)
-                  wall = w;
-            if (wall == 2 * dim)
-              continue;
-            Tensor<1, 3> force, arm;
-            force[d] = -R;
-            for (unsigned int i = 0; i < dim; ++i)
-              arm[i] = cloud.position(node)[i];
-            report.walls.force[wall][d] -= R;
-            report.walls.moment[wall] += cross_product_3d(arm, force);
-          }
-        speed = std::max(speed, std::sqrt(v2));
-      }
-    for (auto &force : report.walls.force)
-      force = Utilities::MPI::sum(force, comm);
-    for (auto &moment : report.walls.moment)
-      moment = Utilities::MPI::sum(moment, comm);
-    report.largest_speed = Utilities::MPI::max(speed, comm);
-    const auto powers    = assembler.powers(table, time, fields);
-    report.dissipated    = powers.dissipation * time.newmark.dt;
-    report.external_work =
-      powers.external_work + Utilities::MPI::sum(reaction_work, comm);
+    const MPI_Comm comm   = particles.communicator();
+    const auto     powers = assembler.powers(table, time, fields);
+    report.dissipated     = powers.dissipation * time.newmark.dt;
+    report.external_work  = powers.external_work;
+    collect_reactions(unknowns, residual, fields, report);
+    collect_motion(unknowns, fields, time.newmark, report);
+    if (scene.audit && scene.has_pressure())
+      report.checkerboard = checkerboard(unknowns, table, fields);
     report.crowding      = volume.excess;
     report.volume_energy = Utilities::MPI::sum(volume.energy, comm);
     report.unknowns      = unknowns.n_global();
@@ -566,7 +447,12 @@ namespace selkie
       }
     unknowns.matrix().compress(VectorOperation::add);
     linear_solver.solve_by(
-      SolverKind::minres_jacobi, unknowns, SystemTraits(), rhs, a);
+      SolverKind::minres_jacobi,
+      unknowns,
+      SystemTraits(),
+      scene.linear_solver.tolerance,
+      rhs,
+      a);
   }
 
   template <int dim>

@@ -2,6 +2,8 @@
 #include <selkie/output/json.h>
 #include <selkie/output/summary.h>
 
+#include <cmath>
+
 namespace selkie
 {
   namespace
@@ -89,6 +91,31 @@ namespace selkie
         }
       return list;
     }
+
+    JsonObject
+    to_json(const Verdict &verdict)
+    {
+      std::vector<JsonObject> figures;
+      for (const Verdict::Row &row : verdict.rows())
+        {
+          figures.emplace_back();
+          JsonObject &json = figures.back();
+          json.add("figure", row.figure);
+          json.add("grade", to_string(row.grade()));
+          json.add("worst", row.worst);
+          json.add("warning", row.limit[0]);
+          json.add("failure", row.limit[1]);
+          for (unsigned int k = 0; k < 2; ++k)
+            if (!std::isnan(row.first[k]))
+              json.add(k == 0 ? "warned at (s)" : "failed at (s)",
+                       row.first[k]);
+        }
+      JsonObject json;
+      json.add("grade", to_string(verdict.grade()));
+      json.add("figures", figures);
+      return json;
+    }
+
     JsonObject
     to_json(const Summary::Errors &errors)
     {
@@ -124,6 +151,8 @@ namespace selkie
     json.add("final time (s)", summary.end_time);
     if (summary.audit)
       json.add("final figures", to_json(*summary.audit));
+    if (summary.verdict)
+      json.add("audit", to_json(*summary.verdict));
     json.add("material points", to_json(summary.accounting));
     if (summary.errors)
       json.add("estimated errors", to_json(*summary.errors));

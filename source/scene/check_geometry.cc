@@ -184,43 +184,6 @@ namespace selkie
     }
 
 
-    template <int dim>
-    void
-    check_node_set(const Scene<dim> &scene, const NodeSet<dim> &set)
-    {
-      const std::string path = "Node sets/" + set.name + "/";
-      if (!set.shape)
-        fail(scene, path + "Shape", "the node set needs a shape");
-      if (std::none_of(set.components.begin(),
-                       set.components.end(),
-                       [](const bool held) { return held; }))
-        fail(scene,
-             path + "Components",
-             "the node set holds nothing; name at least one component");
-      if (scene.domain.mesh)
-        return;
-      BoundingBox<dim> common;
-      const auto       h     = finest_cell(scene.domain);
-      const auto       shape = set.shape->bounding_box();
-      const bool has_nodes   = overlap(shape, box_of(scene.domain), common) &&
-                             any_of_lattice(common,
-                                            scene.domain.lower,
-                                            h,
-                                            0.,
-                                            [&](const Point<dim> &x) {
-                                              return set.shape->contains(x);
-                                            });
-      if (!has_nodes)
-        {
-          std::ostringstream why;
-          why << "no node of the mesh lies in the node set; nodes are " << h[0]
-              << " m apart, from the domain's lower corner ("
-              << scene.domain.lower << ") on";
-          fail(scene, path + "Shape", why.str());
-        }
-    }
-
-
     /// Velocities of walls and node sets go with the condition 'prescribed',
     /// and that with the effect that allows it.
     template <int dim>
@@ -291,6 +254,20 @@ namespace selkie
 
 
   template <int dim>
+  bool
+  has_node_inside(const Domain<dim> &domain, const Shape<dim> &shape)
+  {
+    BoundingBox<dim> common;
+    return overlap(shape.bounding_box(), box_of(domain), common) &&
+           any_of_lattice(common,
+                          domain.lower,
+                          finest_cell(domain),
+                          0.,
+                          [&](const Point<dim> &x) { return shape.contains(x); });
+  }
+
+
+  template <int dim>
   void
   check_geometry(const Scene<dim> &scene)
   {
@@ -303,8 +280,6 @@ namespace selkie
         for (unsigned int j = 0; j < i; ++j)
           check_overlap(scene, scene.bodies[j], scene.bodies[i]);
       }
-    for (const auto &set : scene.node_sets)
-      check_node_set(scene, set);
     check_conditions(scene);
   }
 
@@ -313,6 +288,10 @@ namespace selkie
   check_mesh_source(const Scene<2> &);
   template void
   check_mesh_source(const Scene<3> &);
+  template bool
+  has_node_inside(const Domain<2> &, const Shape<2> &);
+  template bool
+  has_node_inside(const Domain<3> &, const Shape<3> &);
   template void
   check_geometry(const Scene<2> &);
   template void

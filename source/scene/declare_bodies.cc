@@ -76,70 +76,6 @@ namespace selkie
       declare_law(prm, law, viscous);
       prm.leave_subsection();
     }
-
-
-    /// "x, y": which components a node set holds.
-    template <int dim>
-    void
-    set_components(std::array<bool, dim> &components, const std::string &text)
-    {
-      components.fill(false);
-      for (const auto &item : split_list(text))
-        {
-          const std::size_t d = std::string("xyz").find(item);
-          if (item.size() != 1 || d >= dim)
-            throw SceneError(std::string("allowed are x, y") +
-                             (dim == 3 ? ", z" : "") + ", separated by commas");
-          components[d] = true;
-        }
-    }
-
-
-    template <int dim>
-    void
-    declare_node_set(ParameterHandler  &prm,
-                     const std::string &name,
-                     NodeSet<dim>      &set)
-    {
-      set.name = name;
-      prm.enter_subsection(name);
-      add_shape(prm,
-                "Shape",
-                set.shape,
-                "The nodes of the background mesh inside it are held: a clamp, "
-                "a piston, a rigid obstacle. Written as a body's shape. "
-                "Units: m.");
-      add_choice(prm,
-                 "Condition",
-                 set.condition,
-                 {{"fixed", NodeCondition::fixed},
-                  {"prescribed", NodeCondition::prescribed},
-                  {"moving", NodeCondition::moving}},
-                 "Held in place; moved with a velocity; or, for a shape that "
-                 "moves through the mesh (a piston, a rigid obstacle), held to "
-                 "the velocity of that shape. The last two need the effect "
-                 "`prescribed motion`. Units: none.");
-      prm.declare_entry("Components",
-                        dim == 2 ? "x, y" : "x, y, z",
-                        Patterns::Anything(),
-                        "Which displacement components, separated by commas. "
-                        "Units: none.");
-      prm.add_action("Components", [&set](const std::string &text) {
-        set_components<dim>(set.components, text);
-      });
-      add_function(prm,
-                   "Velocity",
-                   set.velocity,
-                   "If `prescribed`: one function of x, y, z, t per component, "
-                   "separated by semicolons. Units: m/s.");
-      add_function(prm,
-                   "Path",
-                   set.path,
-                   "If `moving`: how far the shape has moved from where it is "
-                   "written, one function of t per component, separated by "
-                   "semicolons. Units: m.");
-      prm.leave_subsection();
-    }
   } // namespace
 
 
@@ -162,18 +98,6 @@ namespace selkie
                    names.has_effect("viscosity"),
                    names.bodies[i],
                    scene.bodies[i]);
-    prm.leave_subsection();
-
-    prm.enter_subsection("Node sets");
-    prm.declare_entry("Names",
-                      "",
-                      Patterns::Anything(),
-                      "Names of sets of nodes that are held or moved, "
-                      "separated by commas; each is a subsection. "
-                      "Units: none.");
-    scene.node_sets.resize(names.node_sets.size());
-    for (unsigned int i = 0; i < names.node_sets.size(); ++i)
-      declare_node_set(prm, names.node_sets[i], scene.node_sets[i]);
     prm.leave_subsection();
   }
 

@@ -265,7 +265,19 @@ namespace selkie
                         Double(0.));
       prm.add_parameter("Step",
                         time.step,
-                        "Time step; a failing step is cut. Units: s.",
+                        "Time step, the largest; a failing step is cut. "
+                        "Units: s.",
+                        Double(0.));
+      prm.add_parameter("Acoustic CFL",
+                        time.acoustic_cfl,
+                        "Largest c dt / h of the stiffest body; smaller steps "
+                        "than Step are taken to keep it. 0: any. Units: none.",
+                        Double(0.));
+      prm.add_parameter("Largest error",
+                        time.largest_error,
+                        "Steps are made as small as keeps the estimated error "
+                        "of each below this, rms over the matter, in cells. "
+                        "0: any. Units: none.",
                         Double(0.));
       prm.add_parameter("Smallest step",
                         time.smallest_step,
@@ -323,6 +335,7 @@ namespace selkie
                  {{"automatic", SolverKind::automatic},
                   {"cg jacobi", SolverKind::cg_jacobi},
                   {"cg ml", SolverKind::cg_ml},
+                  {"cg hats", SolverKind::cg_hats},
                   {"gmres block", SolverKind::gmres_block},
                   {"minres jacobi", SolverKind::minres_jacobi},
                   {"direct", SolverKind::direct}},
@@ -332,6 +345,11 @@ namespace selkie
                         solver.tolerance,
                         "Of the true residual, relative to the right-hand "
                         "side. Units: none.",
+                        Double(1e-15, 0.1));
+      prm.add_parameter("Loosest tolerance",
+                        solver.loosest,
+                        "Newton's method asks for no better a solution than it "
+                        "can use, between this and Tolerance. Units: none.",
                         Double(1e-15, 0.1));
       prm.add_parameter("Iterations",
                         solver.max_iterations,
@@ -385,14 +403,24 @@ namespace selkie
                         output.mesh,
                         "Whether the pictures include the mesh with the nodal "
                         "fields. Units: none.");
-      add_choice(
-        prm,
-        "Audit",
-        output.audit,
-        {{"figures", AuditLevel::figures}, {"none", AuditLevel::none}},
-        "figures: energies and their balance, momentum, mass, volume "
-        "and the limits of J, summed over all points after every step; "
-        "none: no such pass and none of its columns. Units: none.");
+      prm.declare_entry("Audit",
+                        "figures",
+                        Patterns::Selection("figures|none"),
+                        "`figures` is the effect `audit`: energies and their "
+                        "balance, momentum, mass, volume and J, summed over "
+                        "all points after every step and held against the "
+                        "limits in the section `Audit`; `none` is no such pass "
+                        "and none of its columns. Units: none.");
+      prm.add_parameter("Checkpoint steps",
+                        output.checkpoint_steps,
+                        "Time steps between two checkpoints, from which "
+                        "`selkie resume` goes on; 0 for none by number. "
+                        "Units: none.");
+      prm.add_parameter("Checkpoint minutes",
+                        output.checkpoint_minutes,
+                        "Wall time between two checkpoints; 0 for none by "
+                        "time. Units: min.",
+                        Double(0.));
       prm.leave_subsection();
     }
   } // namespace

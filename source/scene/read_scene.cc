@@ -82,7 +82,7 @@ namespace selkie
             if (row->comes_with != nullptr)
               fail("Effects",
                    "'" + item +
-                     "' comes with the bodies by itself and is not listed");
+                     "' comes by itself with what needs it and is not listed");
             if (std::count(list.begin(), list.end(), item) > 1)
               fail("Effects", "'" + item + "' is listed twice");
           }
@@ -124,6 +124,14 @@ namespace selkie
         result.tractions     = names("Tractions/Names");
         result.probes        = names("Probes/Names");
         result.imported_mesh = has_section({"Domain", "Mesh"});
+        const auto walls     = value_of(entries, "Dimension", "2") == "3" ?
+                                 wall_names<3>() :
+                                 wall_names<2>();
+        result.holding_walls =
+          std::any_of(walls.begin(), walls.end(), [this](const auto &wall) {
+            return value_of(entries, "Domain/Walls/" + wall, "slip") != "free";
+          });
+        result.audit = value_of(entries, "Output/Audit", "figures") != "none";
         for (const auto &body : result.bodies)
           result.laws.push_back(law_of(body));
         return result;
@@ -138,6 +146,8 @@ namespace selkie
     bool
     belongs_to(const ParameterEntry &entry, const EffectRow &row)
     {
+      if (entry.value.empty()) // an empty list of names
+        return false;
       return (!row.section.empty() && !entry.sections.empty() &&
               entry.sections[0] == row.section) ||
              (row.claims != nullptr && row.claims(entry));
@@ -159,7 +169,7 @@ namespace selkie
                                 "', which the scene does not list; add it to "
                                 "'Effects' or remove the parameter"
                             : "it belongs to the effect '" + row.name +
-                                "', and the scene has no body with it");
+                                "', and nothing in the scene calls for it");
       for (unsigned int b = 0; b < names.laws.size(); ++b)
         if (!names.laws[b]->needs_effect.empty() &&
             !names.has_effect(names.laws[b]->needs_effect))

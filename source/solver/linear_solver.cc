@@ -25,6 +25,8 @@ namespace selkie
           return "CG with node-block Jacobi";
         case SolverKind::cg_ml:
           return "CG with ML";
+        case SolverKind::cg_hats:
+          return "CG with ML of the hat functions";
         case SolverKind::gmres_block:
           return "GMRES with block LDL^T";
         case SolverKind::minres_jacobi:
@@ -56,7 +58,7 @@ namespace selkie
              : traits.acoustic_cfl < 10.
                ? SolverChoice{SolverKind::cg_jacobi,
                               "symmetric, acoustic CFL below 10"}
-               : SolverChoice{SolverKind::cg_ml,
+               : SolverChoice{traits.lme ? SolverKind::cg_hats : SolverKind::cg_ml,
                               "symmetric, acoustic CFL of 10 or more"};
     // Mixed systems need hundreds of MINRES iterations once water splashes:
     // up to this size a factorisation is cheaper. In 3D it fills in more.
@@ -74,6 +76,23 @@ namespace selkie
     return {SolverKind::minres_jacobi, "mixed, symmetric and soft"};
   }
 
+  template <int dim>
+  bool
+  LinearSolver<dim>::wants_hats(const System<dim>  &system,
+                                const SystemTraits &traits) const
+  {
+    const SolverKind kind = choose(system, traits).kind;
+    return kind == SolverKind::cg_hats ||
+           (kind == SolverKind::gmres_block && traits.lme && traits.has_solid);
+  }
+
+  template <int dim>
+  void
+  LinearSolver<dim>::forget()
+  {
+    multigrid = Multigrid();
+  }
+
   namespace
   {
     template <int dim>
@@ -89,6 +108,8 @@ namespace selkie
             return make_node_block_jacobi(system, matrix);
           case SolverKind::cg_ml:
             return make_ml(system, matrix);
+          case SolverKind::cg_hats:
+            return make_hats(system);
           case SolverKind::gmres_block:
             return make_block_ldlt(system, matrix, traits.has_solid);
           default:
@@ -101,21 +122,23 @@ namespace selkie
   LinearSolveReport
   LinearSolver<dim>::solve(System<dim>        &system,
                            const SystemTraits &traits,
+                           const double        tolerance,
                            const Vector       &rhs,
                            Vector             &x)
   {
     const SolverKind kind = choose(system, traits).kind;
     if (kind == SolverKind::direct)
-      return solve_by(kind, system, traits, rhs, x);
+      return solve_by(kind, system, traits, tolerance, rhs, x);
     try
       {
-        return solve_by(kind, system, traits, rhs, x);
+        return solve_by(kind, system, traits, tolerance, rhs, x);
       }
     catch (const LinearSolverFailure &failure)
       {
         log(failure.what() + std::string("; the direct solver takes over"));
       }
-    auto report      = solve_by(SolverKind::direct, system, traits, rhs, x);
+    auto report =
+      solve_by(SolverKind::direct, system, traits, tolerance, rhs, x);
     report.fell_back = true;
     return report;
   }
@@ -125,11 +148,12 @@ namespace selkie
   LinearSolver<dim>::solve_by(const SolverKind    kind,
                               System<dim>        &system,
                               const SystemTraits &traits,
+                              const double        tolerance,
                               const Vector       &rhs,
                               Vector             &x)
   {
-    if (kind == SolverKind::cg_ml)
-      return solve_with_multigrid(system, traits, rhs, x);
+    if (kind == SolverKind::cg_ml || kind == SolverKind::cg_hats)
+      return solve_with_multigrid(kind, system, traits, tolerance, rhs, x);
     if (kind != SolverKind::direct)
       return refine(kind,
                     krylov(kind,
@@ -137,6 +161,7 @@ namespace selkie
                            parameters.max_iterations,
                            system),
                     system,
+                    tolerance,
                     rhs,
                     x);
     direct.factorise(system.shared_matrix(), traits.symmetric && !traits.mixed);
@@ -147,47 +172,48 @@ namespace selkie
         return 0u;
       },
       system,
+      tolerance,
       rhs,
       x);
   }
 
-  /// Setting ML up costs as much as some ten iterations: that of an earlier
-  /// matrix serves until it needs clearly more of them than it did at first.
+  /// Setting multigrid up costs as much as some iterations: that of an earlier
+  /// matrix of the step serves until it needs clearly more of them than it did
+  /// at first. (Iterations are counted by digit: tolerances differ.)
   template <int dim>
   LinearSolveReport
-  LinearSolver<dim>::solve_with_multigrid(System<dim>        &system,
+  LinearSolver<dim>::solve_with_multigrid(const SolverKind    kind,
+                                          System<dim>        &system,
                                           const SystemTraits &traits,
+                                          const double        tolerance,
                                           const Vector       &rhs,
                                           Vector             &x)
   {
-    const auto run = [&](const unsigned int max_iterations) {
-      const auto report = refine(SolverKind::cg_ml,
-                                 krylov(SolverKind::cg_ml,
-                                        *multigrid.preconditioner,
-                                        max_iterations,
-                                        system),
-                                 system,
-                                 rhs,
-                                 x);
-      multigrid.last    = report.iterations;
+    const double digits = std::max(1., -std::log10(tolerance));
+    const auto   run    = [&](const unsigned int max_iterations) {
+      const auto report =
+        refine(kind,
+               krylov(kind, *multigrid.preconditioner, max_iterations, system),
+               system,
+               tolerance,
+               rhs,
+               x);
+      multigrid.last = report.iterations / digits;
       return report;
     };
     if (multigrid.preconditioner != nullptr &&
         multigrid.matrix == system.shared_matrix() &&
-        multigrid.acoustic_cfl == traits.acoustic_cfl &&
-        multigrid.last <= multigrid.first + std::max(3u, multigrid.first / 4))
+        multigrid.last <= 1.25 * multigrid.first + 0.4)
       try
         {
-          return run(2 * multigrid.first + 10);
+          return run((2. * multigrid.first + 1.) * digits + 2.);
         }
       catch (const LinearSolverFailure &)
         {} // a new one may do better
-    multigrid.preconditioner =
-      make_preconditioner(SolverKind::cg_ml, system, traits);
-    multigrid.matrix       = system.shared_matrix();
-    multigrid.acoustic_cfl = traits.acoustic_cfl;
-    const auto report      = run(parameters.max_iterations);
-    multigrid.first        = report.iterations;
+    multigrid.preconditioner = make_preconditioner(kind, system, traits);
+    multigrid.matrix         = system.shared_matrix();
+    const auto report        = run(parameters.max_iterations);
+    multigrid.first          = multigrid.last;
     return report;
   }
 
@@ -199,6 +225,7 @@ namespace selkie
   LinearSolver<dim>::refine(const SolverKind   kind,
                             const Correction  &correct,
                             const System<dim> &system,
+                            const double       tolerance,
                             const Vector      &rhs,
                             Vector            &x) const
   {
@@ -215,7 +242,7 @@ namespace selkie
     for (unsigned int n = 0; n < max_corrections; ++n)
       {
         report.iterations +=
-          correct(correction, residual, parameters.tolerance / report.residual);
+          correct(correction, residual, tolerance / report.residual);
         x += correction;
         system.matrix().vmult(residual, x);
         residual.sadd(-1., 1., rhs);
@@ -223,14 +250,14 @@ namespace selkie
         if (!std::isfinite(report.residual))
           throw LinearSolverFailure(report.solver +
                                     ": the residual is not finite");
-        if (report.residual <= parameters.tolerance)
+        if (report.residual <= tolerance)
           return report;
       }
     std::ostringstream text;
     text.precision(2);
     text << report.solver << ": the true residual is " << report.residual
          << " of the right-hand side after " << max_corrections
-         << " corrections, above the tolerance of " << parameters.tolerance;
+         << " corrections, above the tolerance of " << tolerance;
     throw LinearSolverFailure(text.str());
   }
 

@@ -1,6 +1,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/solver/newton.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace selkie
@@ -18,9 +19,22 @@ namespace selkie
     }
   } // namespace
 
+  double
+  ForcingTerms::tolerance(const double error, const double previous) const
+  {
+    const double needed = 0.1 / error;
+    const double hoped =
+      previous > 0. ? 0.1 * std::pow(error / previous, 2) : loosest;
+    return std::clamp(std::max(needed, std::min(hoped, loosest)),
+                      tightest,
+                      std::max(tightest, loosest));
+  }
+
+
   NewtonResult
   newton(const NewtonProblem    &problem,
          const NewtonParameters &parameters,
+         const ForcingTerms     &forcing,
          Vector                 &x)
   {
     constexpr unsigned int max_halvings = 6;
@@ -28,13 +42,15 @@ namespace selkie
     NewtonResult result;
     Vector       residual(x), dx(x), x_old(x);
     problem.residual(x, residual);
-    double error = problem.error(residual);
+    double error = problem.error(residual), previous = 0.;
     result.errors.push_back(error);
 
     while (result.iterations < parameters.max_iterations)
       {
         ++result.iterations;
-        result.linear_iterations += problem.solve(x, residual, dx);
+        result.linear_iterations +=
+          problem.solve(x, residual, dx, forcing.tolerance(error, previous));
+        previous = error;
         const double size = problem.step_size(dx);
         if (!std::isfinite(size))
           throw NewtonFailure("the linear solver returned a step that is not "

@@ -2,6 +2,7 @@
 #include <selkie/solver/preconditioner.h>
 
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/lac/precondition.h>
 
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_CrsMatrix.h>
@@ -165,6 +166,61 @@ namespace selkie
         }
       return modes;
     }
+
+    /// See make_hats().
+    template <int dim>
+    class Hats : public Preconditioner
+    {
+    public:
+      explicit Hats(const System<dim> &system)
+        : A(system.matrix())
+        , hats(system.hats())
+        , ml(hats->trilinos_matrix(), dim, rigid_body_modes(system))
+      {
+        typename Smoother::AdditionalData data;
+        data.degree              = 2;
+        data.smoothing_range     = 8.;
+        data.eig_cg_n_iterations = 8; // its safety factor is 1.2
+        data.preconditioner =
+          std::make_shared<NodeBlockJacobi<dim>>(system, A);
+        smoother.initialize(A, data);
+      }
+
+      void
+      vmult(Vector &x, const Vector &b) const override
+      {
+        if (residual.get_partitioner() != b.get_partitioner())
+          {
+            residual.reinit(b);
+            correction.reinit(b);
+          }
+        smoother.vmult(x, b);
+        add_residual(ml, x, b);
+        add_residual(smoother, x, b);
+      }
+
+    private:
+      using Smoother = PreconditionChebyshev<TrilinosWrappers::SparseMatrix,
+                                             Vector,
+                                             NodeBlockJacobi<dim>>;
+
+      /// x += P (b - A x)
+      template <typename Inverse>
+      void
+      add_residual(const Inverse &P, Vector &x, const Vector &b) const
+      {
+        A.vmult(residual, x);
+        residual.sadd(-1., 1., b);
+        P.vmult(correction, residual);
+        x += correction;
+      }
+
+      const TrilinosWrappers::SparseMatrix                         &A;
+      const std::shared_ptr<const TrilinosWrappers::SparseMatrix>   hats;
+      const Multigrid                                               ml;
+      Smoother                                                      smoother;
+      mutable Vector residual, correction;
+    };
 
     /// The rows [row_begin, row_end) of a rank, restricted to the columns that
     /// are displacements (or pressures) on their owners.
@@ -338,6 +394,13 @@ namespace selkie
 
   template <int dim>
   std::unique_ptr<const Preconditioner>
+  make_hats(const System<dim> &system)
+  {
+    return std::make_unique<Hats<dim>>(system);
+  }
+
+  template <int dim>
+  std::unique_ptr<const Preconditioner>
   make_block_ldlt(const System<dim>                    &system,
                   const TrilinosWrappers::SparseMatrix &matrix,
                   const bool multigrid_for_displacements)
@@ -352,6 +415,8 @@ namespace selkie
     const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
   template std::unique_ptr<const Preconditioner> make_ml(                \
     const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
+  template std::unique_ptr<const Preconditioner> make_hats(              \
+    const System<dim> &);                                                \
   template std::unique_ptr<const Preconditioner> make_block_ldlt(        \
     const System<dim> &, const TrilinosWrappers::SparseMatrix &, const bool)
   INSTANTIATE(2);

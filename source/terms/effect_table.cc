@@ -17,11 +17,14 @@ namespace selkie
       body_force_effect(),
       traction_effect(),
       spring_foundation_effect(),
+      wall_contact_effect(),
+      rigid_obstacles_effect(),
       prescribed_motion_effect(),
       wall_friction_effect(),
       wall_release_effect(),
       hydrostatic_start_effect(),
       probes_effect(),
+      audit_effect(),
     };
     return table;
   }

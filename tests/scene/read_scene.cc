@@ -232,7 +232,7 @@ TEST(ReadScene, Refusals)
                  "every fluid 0: it would do nothing and cost");
   expect_refusal({"Effects=inertia, gravity, viscosity, probes, elasticity"},
                  "Effects",
-                 "comes with the bodies");
+                 "comes by itself");
   expect_refusal({"Bodies/water/Points per direction=0"},
                  "Points per direction",
                  "from 1 to 20");

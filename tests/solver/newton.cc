@@ -17,7 +17,7 @@ namespace
     problem.residual = [](Vector &x, Vector &r) {
       r.local_element(0) = std::pow(x.local_element(0), 3) - 8.;
     };
-    problem.solve = [](Vector &x, const Vector &r, Vector &dx) {
+    problem.solve = [](Vector &x, const Vector &r, Vector &dx, const double) {
       dx.local_element(0) =
         -r.local_element(0) / (3. * std::pow(x.local_element(0), 2));
       return 1u;
@@ -45,7 +45,7 @@ namespace
 TEST(Newton, ConvergesQuadratically)
 {
   Vector     x      = start(3.);
-  const auto result = newton(cube_root(1e-12), NewtonParameters(), x);
+  const auto result = newton(cube_root(1e-12), NewtonParameters(), ForcingTerms(), x);
   EXPECT_NEAR(x.local_element(0), 2., 1e-13);
   const auto &e = result.errors;
   ASSERT_GE(e.size(), 4u);
@@ -62,7 +62,7 @@ TEST(Newton, NeverPassesSilently)
   Vector           x = start(3.);
   NewtonParameters parameters;
   parameters.max_iterations = 3;
-  EXPECT_THROW(newton(cube_root(1e-12), parameters, x), NewtonFailure);
+  EXPECT_THROW(newton(cube_root(1e-12), parameters, ForcingTerms(), x), NewtonFailure);
 }
 
 TEST(Newton, RefusesNumbersThatAreNotFinite)
@@ -72,5 +72,5 @@ TEST(Newton, RefusesNumbersThatAreNotFinite)
   problem.residual      = [](Vector &, Vector &r) {
     r.local_element(0) = std::nan("");
   };
-  EXPECT_THROW(newton(problem, NewtonParameters(), x), NewtonFailure);
+  EXPECT_THROW(newton(problem, NewtonParameters(), ForcingTerms(), x), NewtonFailure);
 }

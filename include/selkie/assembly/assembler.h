@@ -1,7 +1,9 @@
 #pragma once
 
 #include <selkie/assembly/dense_patch.h>
+#include <selkie/assembly/hat_patch.h>
 #include <selkie/assembly/system.h>
+#include <selkie/assembly/tangent_scatter.h>
 #include <selkie/base/cost_ledger.h>
 #include <selkie/shape/support_table.h>
 #include <selkie/terms/term.h>
@@ -52,7 +54,8 @@ namespace selkie
     /**
      * Residual at @p fields.x, prescribed rows included (they hold minus the
      * reactions), summed over the ranks.
-     * @param with_tangent also fills System::matrix(): rows and columns of
+     * @param with_tangent also fills System::matrix() and, if there is one,
+     *        System::hats(): rows and columns of
      *        prescribed unknowns keep their diagonal only, and pressure rows
      *        and columns are multiplied by @p pressure_unit (Pa).
      * Throws InvertedPoint when det f is not above 0.05 at some point; on
@@ -141,7 +144,6 @@ namespace selkie
     bool
     add_patch(const Kernel     &kernel,
               const Patch<dim> &patch,
-              const double      pressure_unit,
               const bool        with_tangent,
               Vector           &residual);
     void
@@ -150,20 +152,13 @@ namespace selkie
                  const bool        with_tangent,
                  Vector           &residual);
     void
-    number_unknowns(const Patch<dim> &patch);
+    add_hats(const Kernel &kernel);
+    void
+    number_unknowns(const unsigned int        *nodes,
+                    const DensePatch<dim>     &dense,
+                    std::vector<unsigned int> &unknowns) const;
     void
     scatter_residual(const Patch<dim> &patch, Vector &residual) const;
-    void
-    scatter_tangent(const Patch<dim> &patch, const double pressure_unit);
-    /// One row of the dense block to the rank that owns it.
-    void
-    add_row(const unsigned int row,
-            const Patch<dim>  &patch,
-            const double       row_unit,
-            const double       pressure_unit,
-            const double      *block);
-    void
-    add_diagonal(const Vector &diagonal);
 
     const Terms                           &terms;
     System<dim>                           &system;
@@ -177,10 +172,9 @@ namespace selkie
     // Scratch of one patch.
     const StepFields     *iterate = nullptr;
     PatchState<dim>       state;
-    DensePatch<dim>       dense;
-    std::vector<unsigned> unknowns;  ///< local indices, component-major
-    std::vector<int>      positions; ///< of a row's columns, -1 elsewhere
-    std::vector<dealii::types::global_dof_index> global_columns;
-    std::vector<double>                          row_values;
+    DensePatch<dim>       dense, hat_dense;
+    HatPatch<dim>         hat_patch;
+    std::vector<unsigned> unknowns, hat_unknowns; ///< component-major
+    TangentScatter<dim>   tangent, hat_tangent;
   };
 } // namespace selkie

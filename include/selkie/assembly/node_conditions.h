@@ -10,13 +10,20 @@
 namespace selkie
 {
   /**
-   * What walls and named node sets prescribe, node by node; by position only,
-   * so every rank knows it for its halo too. Built once per mesh.
+   * Which displacement components of which nodes are prescribed, and to what
+   * velocity, node by node; by position only, so every rank knows it for its
+   * halo too. The effects of the scene say so (Effect::hold): walls and rigid
+   * obstacles. Built once per mesh.
    */
   template <int dim>
   class NodeConditions
   {
   public:
+    /// Velocity (m/s) at a place and time; none stands for rest.
+    using Motion =
+      std::function<dealii::Tensor<1, dim>(const dealii::Point<dim> &,
+                                           const double)>;
+
     NodeConditions(const Scene<dim> &scene, const NodeCloud<dim> &cloud);
 
     /// Bit i: displacement component i of the node is prescribed.
@@ -37,28 +44,35 @@ namespace selkie
       return on_walls[node];
     }
 
-    /// Finds the nodes of the sets anew, where `moving` sets are at time t (s).
+    /// Asks the effects anew what they hold at time t (s).
     void
-    place_sets(const double t);
+    find(const double t);
+
+    /// Holds @p components (bits) of all nodes on a wall.
+    void
+    hold_wall(const unsigned int wall,
+              const unsigned int components,
+              const Motion      &motion = Motion());
+
+    /// Holds @p components (bits) of nodes wherever they are.
+    void
+    hold_nodes(const std::vector<unsigned int> &nodes,
+               const unsigned int               components,
+               const Motion                    &motion = Motion());
 
     /// From now on the node's walls in @p walls (bits as in walls()) hold it
-    /// no longer; all others do. What node sets hold stays held.
+    /// no longer; all others do. What obstacles hold stays held.
     void
     release(const unsigned int node, const unsigned int walls);
 
   private:
-    /// Velocity (m/s) at a place and time.
-    using Motion =
-      std::function<dealii::Tensor<1, dim>(const dealii::Point<dim> &,
-                                           const double)>;
-
-    void
-    place(const NodeSet<dim> &set, const double t);
+    unsigned int
+    number_of(const Motion &motion);
 
     const Scene<dim>                 &scene;
     const NodeCloud<dim>             &cloud;
     std::array<unsigned int, 2 * dim> of_wall; ///< components that it holds
-    std::vector<unsigned int>         mask, of_sets, on_walls;
+    std::vector<unsigned int>         mask, of_nodes, on_walls;
     std::vector<Motion>               motions;
     std::vector<unsigned int> motion_of; ///< index + 1 into motions; 0: none
   };

@@ -133,11 +133,40 @@ namespace selkie
       return tangent;
     }
 
-    /// Matrix column (Epetra's local index) of an unknown's local index.
-    int
-    column(const unsigned int index) const
+    /// Matrix columns (Epetra's local indices) of the unknowns' local indices.
+    const std::vector<int> &
+    matrix_columns() const
     {
-      return columns[index];
+      return columns;
+    }
+
+    /// Local indices of the pressures at the corners of a cell.
+    using CornerIndices = std::array<unsigned int, (1u << dim)>;
+
+    /// False if a corner of the locally owned cell has no pressure.
+    bool
+    corner_pressures(const typename NodeCloud<dim>::Cell &cell,
+                     CornerIndices                       &indices) const;
+
+    /// From now on there is a second matrix on the same unknowns, for the hat
+    /// functions of the cells that hold points: a preconditioner's. Its
+    /// sparsity is built when it is asked for, and with every new one of
+    /// matrix(). Collective.
+    void
+    want_hats(const SupportTable<dim> &table);
+
+    /// The hat functions' matrix of the present sparsity, or nullptr.
+    const std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix> &
+    hats() const
+    {
+      return hat_tangent;
+    }
+
+    /// As matrix_columns(), for hats().
+    const std::vector<int> &
+    matrix_columns_of_hats() const
+    {
+      return hat_columns;
     }
 
     unsigned int
@@ -153,8 +182,23 @@ namespace selkie
     void
     number_unknowns(const Occupancy<dim>    &occupancy,
                     const SupportTable<dim> &table);
+    /// Which nodes couple, as lists of nodes: all of a list with each other.
+    struct Coupling
+    {
+      std::vector<unsigned int> nodes;
+      bool                      pressure = false; ///< in the lists of matter
+    };
+    struct Matrix
+    {
+      std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix> values;
+      std::vector<int>                                        columns;
+    };
+    Matrix
+    make_matrix(const std::vector<Coupling> &couplings) const;
     void
     build_sparsity(const SupportTable<dim> &table);
+    void
+    build_hats(const SupportTable<dim> &table);
     std::size_t
     structure_hash(const SupportTable<dim> &table) const;
 
@@ -166,9 +210,11 @@ namespace selkie
     dealii::types::global_dof_index n_p_global = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
-    std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix>    tangent;
-    std::vector<int>                                           columns;
-    std::size_t                                                last_hash = 0;
-    unsigned int sparsity_builds                                         = 0;
+    std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix> tangent,
+      hat_tangent;
+    std::vector<int> columns, hat_columns;
+    std::size_t      last_hash       = 0;
+    unsigned int     sparsity_builds = 0;
+    bool             hats_wanted     = false;
   };
 } // namespace selkie

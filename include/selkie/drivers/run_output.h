@@ -7,6 +7,7 @@
 #include <selkie/output/recorder.h>
 #include <selkie/output/statistics.h>
 #include <selkie/output/summary.h>
+#include <selkie/output/verdict.h>
 #include <selkie/output/vtu.h>
 #include <selkie/time/time_control.h>
 
@@ -70,7 +71,12 @@ namespace selkie
               const double            dt,
               const StepReport<dim>  &report);
     void
-    set_energies(const ParticleSet<dim> &particles);
+    set_energies(const ParticleSet<dim> &particles,
+                 const StepReport<dim>  &report);
+    void
+    judge(const ParticleSet<dim> &particles,
+          const double            t,
+          const StepReport<dim>  &report);
     void
     write_fields(const double        time,
                  const unsigned int  step,
@@ -117,6 +123,7 @@ namespace selkie
     struct Energies
     {
       double initial    = 0;
+      double potential  = 0; ///< at the start
       double dissipated = 0, external_work = 0;
       double of_reset = 0, of_volume = 0; ///< given by the fluid's rules
 
@@ -124,6 +131,18 @@ namespace selkie
       balance(const Audit &now) const
       {
         return now.energy() + dissipated - external_work - of_volume - initial;
+      }
+
+      /// What a gain or loss is measured by: all that moves or is stored, and
+      /// what gravity or loads have given.
+      double
+      in_play(const Audit &now) const
+      {
+        const double sum =
+          std::max(now.kinetic + now.strain + now.compression,
+                   initial - potential) +
+          std::abs(now.potential - potential) + std::abs(external_work);
+        return sum > 0. ? sum : 1.;
       }
     };
     /// Of the time steps, on request: sums over them (m).
@@ -133,6 +152,8 @@ namespace selkie
     };
 
     std::optional<Audit> present; ///< of the last step, if the scene asks
+    Verdict              verdict;
+    double               initial_volume = 0; ///< m^dim
     TimeErrors           time_errors;
     double               last_dt = 0; ///< s
     Energies             energies;

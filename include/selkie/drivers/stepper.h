@@ -3,13 +3,13 @@
 #include <selkie/assembly/assembler.h>
 #include <selkie/assembly/node_release.h>
 #include <selkie/base/timer_tree.h>
+#include <selkie/drivers/residual_scales.h>
+#include <selkie/drivers/step_report.h>
 #include <selkie/mesh/node_cloud.h>
-#include <selkie/output/recorder.h>
 #include <selkie/particles/particle_set.h>
 #include <selkie/shape/lme_support.h>
 #include <selkie/shape/q4_support.h>
 #include <selkie/solver/linear_solver.h>
-#include <selkie/solver/newton.h>
 #include <selkie/terms/effect_table.h>
 #include <selkie/transfer/nodal_state.h>
 #include <selkie/transfer/recovery_error.h>
@@ -23,25 +23,6 @@
 
 namespace selkie
 {
-  /// What one step did.
-  template <int dim>
-  struct StepReport
-  {
-    NewtonResult       newton;
-    double             lambda_iterations     = 0; ///< mean over all points
-    unsigned int       max_lambda_iterations = 0;
-    unsigned long long unknowns = 0, patches = 0;
-    double             dissipated    = 0; ///< heat (J)
-    double             external_work = 0; ///< loads and moving walls (J)
-    double             reset_energy  = 0; ///< by the J reset (J)
-    double             volume_energy = 0; ///< by the volume correction (J)
-    double             crowding      = 0; ///< VolumeCorrection::excess
-    double             time_error    = 0; ///< of the step, rms (m), on request
-    double             moved         = 0; ///< in the step, rms (m), with it
-    double             largest_speed = 0; ///< of the nodes (m/s)
-    WallForces<dim>    walls;             ///< of the matter on them
-  };
-
   /**
    * One step (design.md, section 2): supports, projection, Newton on
    * displacement increments and pressures, update of the points. Until the
@@ -148,18 +129,14 @@ namespace selkie
     solve_mass(const StepTime &time, const Vector &residual, Vector &a);
     void
     prepare_conditions(const double t);
-    void
-    set_pressure_scales(const Newmark &newmark);
     NewtonResult
     solve(const StepTime &time, Vector &residual);
-    void
-    estimate_time_error(const Newmark &newmark, StepReport<dim> &report) const;
     void
     set_predictor(const Newmark &newmark);
     void
     choose_first_guess(const StepTime &time);
     double
-    residual_scale(const Newmark &newmark) const;
+    acceleration_scale() const;
     void
     collect(const StepTime &time, const Vector &residual, StepReport<dim> &);
     Newmark
@@ -184,8 +161,7 @@ namespace selkie
     std::unique_ptr<NodalState<dim>>      nodes;   ///< of a Lagrangian mesh
     Vector                                stored_pressure;
     VolumeCorrection                      volume; ///< of the present step
-    double volume_excess = 0;                     ///< of the last good step
-    double scale_u = 0, scale_p = 0;              ///< of the residual
-    double pressure_unit = 1;                     ///< Pa
+    double         volume_excess = 0;             ///< of the last good step
+    ResidualScales scales;                        ///< of the present step
   };
 } // namespace selkie

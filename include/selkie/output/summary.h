@@ -3,6 +3,7 @@
 #include <selkie/base/cost_ledger.h>
 #include <selkie/base/timer_tree.h>
 #include <selkie/output/audit.h>
+#include <selkie/output/verdict.h>
 #include <selkie/particles/particle_set.h>
 
 #include <optional>
@@ -34,7 +35,8 @@ namespace selkie
       double space = 0, space_relative = 0;                 ///< m/s or m, 1
     };
     std::optional<Errors> errors;
-    std::optional<Audit>  audit; ///< at the end
+    std::optional<Audit>   audit; ///< at the end
+    std::optional<Verdict> verdict;
     ParticleAccounting    accounting;
 
     double                         wall_time = 0; ///< s

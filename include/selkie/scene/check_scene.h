@@ -17,8 +17,13 @@ namespace selkie
   void
   check_scene(const Scene<dim> &scene);
 
-  /// The part of check_scene() that looks at places: domain, bodies, node
-  /// sets, refinements.
+  /// Whether a node of the finest cells lies in the shape.
+  template <int dim>
+  bool
+  has_node_inside(const Domain<dim> &domain, const Shape<dim> &shape);
+
+  /// The part of check_scene() that looks at places: domain, bodies,
+  /// refinements.
   template <int dim>
   void
   check_geometry(const Scene<dim> &scene);

@@ -20,6 +20,8 @@ namespace selkie
     std::vector<const LawRow *> laws; ///< one per body
     std::vector<std::string>    refinements, node_sets, tractions, probes;
     bool imported_mesh = false; ///< whether Domain/Mesh is there
+    bool holding_walls = true;  ///< whether a wall is not free
+    bool audit         = true;  ///< whether Output/Audit is not none
 
     bool
     has_effect(const std::string &name) const;

@@ -19,6 +19,10 @@ namespace selkie
   class Term;
   template <int dim>
   class Recorder;
+  template <int dim>
+  class NodeCloud;
+  template <int dim>
+  class NodeConditions;
 
   /**
    * One thing that a scene asks for by name, whole: its parameters, its
@@ -52,6 +56,15 @@ namespace selkie
     /// Registers the particle columns that its kernel needs.
     virtual void
     add_columns(const Scene<dim> & /*scene*/, ParticleFields & /*fields*/) const
+    {}
+
+    /// Prescribes displacement components of nodes as they are at time @p t
+    /// (s). Local; called at the start and again while something moves.
+    virtual void
+    hold(const Scene<dim> & /*scene*/,
+         const NodeCloud<dim> & /*cloud*/,
+         const double /*t*/,
+         NodeConditions<dim> & /*conditions*/) const
     {}
 
     /// Acts once on the seeded points.
@@ -90,7 +103,7 @@ namespace selkie
     std::shared_ptr<Effect<3>> (*make_3d)();
 
     /// Whether a scene with these names has the effect without listing it
-    /// (a fluid has a pressure); null: never.
+    /// (a fluid has a pressure, a slip wall holds nodes); null: never.
     bool (*comes_with)(const SceneNames &names) = nullptr;
 
     /// The effect that is left out in favour of this one, or "".

@@ -174,7 +174,9 @@ namespace selkie
   {
     bool         estimate_error = false; ///< of time steps and mesh
     double       end_time       = 1.;    ///< s
-    double       step           = 1e-3;  ///< s
+    double       step           = 1e-3;  ///< s; the largest
+    double       acoustic_cfl   = 0.;    ///< largest c dt / h; 0: any
+    double       largest_error  = 0.;    ///< of a step, in cells; 0: any
     double       smallest_step  = 0.;    ///< s; 0: step / 1024
     unsigned int easy_steps     = 5;     ///< good steps before a cut step grows
     double       max_move       = 0.5;   ///< cells a point may move in a step
@@ -192,6 +194,7 @@ namespace selkie
     automatic,
     cg_jacobi,
     cg_ml,
+    cg_hats,
     gmres_block,
     minres_jacobi,
     direct
@@ -201,6 +204,7 @@ namespace selkie
   {
     SolverKind   kind           = SolverKind::automatic;
     double       tolerance      = 1e-8; ///< relative, true residual
+    double       loosest        = 1e-4; ///< where Newton needs no more
     unsigned int max_iterations = 2000;
     unsigned int direct_below   = 8000; ///< unknowns of a mixed 2D system
   };
@@ -248,19 +252,27 @@ namespace selkie
     std::shared_ptr<VectorExpression<dim>> function; ///< exact, of X, t
   };
 
-  /// What is summed over all points after every step.
-  enum class AuditLevel
+  /// Beyond which a figure of the audit is warned of, and fails; 0: never.
+  using AuditLimit = std::array<double, 2>;
+
+  /// The effect `audit`: what is summed after every step, and its limits.
+  struct AuditLimits
   {
-    none,
-    figures ///< energies, momentum, mass, volume, limits of J
+    AuditLimit energy_gain{{0.05, 0.5}};     ///< of the energy in play
+    AuditLimit mass{{1e-10, 1e-8}};          ///< relative change
+    AuditLimit volume{{0.05, 0.2}};          ///< fluids: relative change
+    AuditLimit smallest_J{{0.2, 0.05}};      ///< below which
+    AuditLimit unseen_energy{{0.2, 0.6}};    ///< share of the kinetic energy
+    AuditLimit checkerboard{{0.2, 0.6}};     ///< of the pressure
   };
 
   struct OutputParameters
   {
-    std::string directory;       ///< set by --output or the scene
-    double      interval = 0.02; ///< s between VTU files; 0: none
-    bool        mesh     = true; ///< mesh.pvd with nodal fields
-    AuditLevel  audit    = AuditLevel::figures;
+    std::string  directory;       ///< set by --output or the scene
+    double       interval = 0.02; ///< s between VTU files; 0: none
+    bool         mesh     = true; ///< mesh.pvd with nodal fields
+    unsigned int checkpoint_steps   = 0;   ///< between checkpoints; 0: none
+    double       checkpoint_minutes = 10.; ///< of wall time; 0: none
   };
 
   /// The value that a parameter has in the end, and who gave it.
@@ -304,6 +316,7 @@ namespace selkie
     /// are not `slip` have none.
     std::optional<std::array<bool, 2 * dim>> wall_points;
     std::vector<Probe<dim>>                  probes;
+    std::optional<AuditLimits>               audit;
 
     /// Every parameter by its path, as in "Bodies/water/Density": for messages
     /// and for reports.

@@ -17,6 +17,7 @@ namespace selkie
     bool   mixed        = false; ///< has pressures: quasi-definite
     bool   symmetric    = true;  ///< no (relevant) viscosity
     bool   has_solid    = false;
+    bool   lme          = false; ///< else hat functions themselves
     double acoustic_cfl = 0; ///< largest c dt / h over the bodies
   };
 
@@ -37,8 +38,9 @@ namespace selkie
 
   /**
    * The linear solvers, after the measurements of solver.md: conjugate
-   * gradients for solids, with node-block Jacobi below acoustic CFL 10 and ML
-   * (rigid-body modes; set up anew only when it pays) above; for mixed systems
+   * gradients for solids, with node-block Jacobi below acoustic CFL 10 and
+   * multigrid above: ML with rigid-body modes on the matrix of hat functions,
+   * between Chebyshev sweeps on that of LME; for mixed systems
    * MINRES with Jacobi while they are symmetric, small and soft, else GMRES
    * with the block LDL^T preconditioner. On breakdown, stagnation or NaN the
    * direct solver (MUMPS) takes over, and says so. Every result, the direct
@@ -53,11 +55,21 @@ namespace selkie
     LinearSolver(const LinearSolverParameters            &parameters,
                  std::function<void(const std::string &)> log);
 
-    /// Solves K x = rhs with System::matrix(). Throws LinearSolverFailure, with
-    /// the residual reached, when the direct solver fails, too.
+    /// Whether the solver of this system needs System::hats().
+    bool
+    wants_hats(const System<dim> &system, const SystemTraits &traits) const;
+
+    /// Forgets what it has kept of earlier systems.
+    void
+    forget();
+
+    /// Solves K x = rhs with System::matrix(), to @p tolerance, relative.
+    /// Throws LinearSolverFailure, with the residual reached, when the direct
+    /// solver fails, too.
     LinearSolveReport
     solve(System<dim>        &system,
           const SystemTraits &traits,
+          const double        tolerance,
           const Vector       &rhs,
           Vector             &x);
 
@@ -66,6 +78,7 @@ namespace selkie
     solve_by(const SolverKind    kind,
              System<dim>        &system,
              const SystemTraits &traits,
+             const double        tolerance,
              const Vector       &rhs,
              Vector             &x);
 
@@ -81,14 +94,17 @@ namespace selkie
                                                   const double  reduction)>;
 
     LinearSolveReport
-    solve_with_multigrid(System<dim>        &system,
+    solve_with_multigrid(const SolverKind    kind,
+                         System<dim>        &system,
                          const SystemTraits &traits,
+                         const double        tolerance,
                          const Vector       &rhs,
                          Vector             &x);
     LinearSolveReport
     refine(const SolverKind   kind,
            const Correction  &correct,
            const System<dim> &system,
+           const double       tolerance,
            const Vector      &rhs,
            Vector            &x) const;
     Correction
@@ -103,8 +119,7 @@ namespace selkie
       std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix> matrix;
       std::unique_ptr<const Preconditioner> preconditioner; ///< refers to it
 
-      double       acoustic_cfl = 0;
-      unsigned int first = 0, last = 0; ///< iterations
+      double first = 0, last = 0; ///< iterations per digit
     };
 
     const LinearSolverParameters                   parameters;

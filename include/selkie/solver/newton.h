@@ -14,8 +14,12 @@ namespace selkie
     /// R at x. May throw InvertedPoint (on every rank).
     std::function<void(Vector &x, Vector &residual)> residual;
 
-    /// Solves K(x) dx = -residual; returns the linear iterations.
-    std::function<unsigned int(Vector &x, const Vector &residual, Vector &dx)>
+    /// Solves K(x) dx = -residual to a relative residual; returns the linear
+    /// iterations.
+    std::function<unsigned int(Vector       &x,
+                               const Vector &residual,
+                               Vector       &dx,
+                               const double  tolerance)>
       solve;
 
     /// Size of a residual in units of its tolerance: converged when <= 1.
@@ -23,6 +27,19 @@ namespace selkie
 
     /// Largest |dx| allowed relative to its limit: dx is scaled down to 1.
     std::function<double(const Vector &dx)> step_size;
+  };
+
+  /// How well Newton's method wants its linear systems solved.
+  struct ForcingTerms
+  {
+    double tightest = 1e-8, loosest = 1e-4; ///< relative residuals
+
+    /// For an iterate whose error is @p error tolerances, the one before it
+    /// @p previous (0: none). The last iterations are not solved better than
+    /// convergence needs, the others not better than the quadratic convergence
+    /// from one to the next lets hope (Eisenstat & Walker 1996, choice 2).
+    double
+    tolerance(const double error, const double previous) const;
   };
 
   struct NewtonResult
@@ -40,5 +57,6 @@ namespace selkie
   NewtonResult
   newton(const NewtonProblem    &problem,
          const NewtonParameters &parameters,
+         const ForcingTerms     &forcing,
          Vector                 &x);
 } // namespace selkie

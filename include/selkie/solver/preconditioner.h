@@ -40,6 +40,17 @@ namespace selkie
           const dealii::TrilinosWrappers::SparseMatrix &matrix);
 
   /**
+   * For LME: Chebyshev sweeps of degree 2 on System::matrix(), one V-cycle of
+   * ML on the hat functions' matrix System::hats() of the same nodes, and the
+   * sweeps again (solver.md, section 2): ML sees 9 points (27 in 3D) where LME
+   * couples 50 to 200, and the sweeps see the short waves, which LME makes
+   * softer.
+   */
+  template <int dim>
+  std::unique_ptr<const Preconditioner>
+  make_hats(const System<dim> &system);
+
+  /**
    * Block LDL^T for the mixed system [A B; B^T -C] (solver.md, section 4):
    *   P = [A 0; B^T -S] [I A^{-1} B; 0 I],  S = C + B^T D^{-1} B,
    * D = diag(A), A^{-1} by Jacobi (fluids) or ML (with solids), S^{-1} by ML.

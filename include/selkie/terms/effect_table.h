@@ -38,6 +38,10 @@ namespace selkie
   EffectRow
   spring_foundation_effect();
   EffectRow
+  wall_contact_effect();
+  EffectRow
+  rigid_obstacles_effect();
+  EffectRow
   prescribed_motion_effect();
   EffectRow
   wall_friction_effect();
@@ -47,4 +51,6 @@ namespace selkie
   hydrostatic_start_effect();
   EffectRow
   probes_effect();
+  EffectRow
+  audit_effect();
 } // namespace selkie
