@@ -163,7 +163,7 @@ class Maker:
 
     def shape(self, low, high):
         """A shape within a box, corners in cells."""
-        kind = self.among("box", "box", "box", "round", "cut", "inside", "polygon", "sum")
+        kind = self.among(*["box"] * 6, "round", "round", "polygon", "cut", "inside", "sum")
         if self.approximation == "q4 fem" and self.maybe(0.9):
             kind = "box"  # meshes fit them
         size = [b - a for a, b in zip(low, high)]
