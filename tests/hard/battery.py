@@ -6,8 +6,9 @@ reference, never against the program's own earlier output.
     battery.py --list
 
 --quick (the default) leaves out what takes long and all but the first approximation
-of each case; --only takes the name of a case, or the beginning of several. Exit code 1 if a figure is beyond its limit and nothing is
-known about it, or if a known failure passes (then its mark has to go).
+of each case; --only takes the name of a case, or the beginning of several. Exit code
+1 if a figure is beyond its limit and nothing is known about it, or if a known failure
+passes (then its mark has to go).
 
 Every run of every case must also end with exit code 0 and keep all points, all
 mass (1e-12) and finite figures: `Bench.run`.
@@ -34,10 +35,10 @@ sys.path.insert(0, str(SCENES))
 import check  # noqa: E402
 import coupled  # noqa: E402
 import water  # noqa: E402
-from check import BENCHMARKS, COOKBOOKS, at_time, table, vtu_array, worst  # noqa: E402
+from check import BENCHMARKS, COOKBOOKS, table, vtu_array, worst  # noqa: E402
 
 LME, MPM, FEM = "lme mpm", "q4 mpm", "q4 fem"
-TIME_LIMIT = {False: 120, True: 1500}  # s; what takes longer hangs
+TIME_LIMIT = {False: 300, True: 1500}  # s; what takes longer hangs
 
 
 class Broken(Exception):
@@ -135,7 +136,7 @@ CROSSING = Known(
 FACES = Known(
     "A defect: points exactly on faces of cells leave nodes in the system that have no mass; "
     "MUMPS finds it singular, or the residual is not finite.",
-    "Nodes below a share of a point's mass are left out (Sulsky, Zhou & Schreyer 1995).",
+    "Nodes whose mass is below a share of a point's are left out (common practice).",
     "To be mended.")
 FRACTURE = Known(
     "Numerical fracture: with functions as narrow as at gamma 3 (or hats) and 2 x 2 points the "
@@ -153,7 +154,7 @@ TRANSFER = Known(
 CORRECTION = Known(
     "The volume correction takes the disorder of the points for crowding and squeezes it out at a "
     "rate of its own; the pressure that this takes goes as 1/step and is felt until the points "
-    "have spread (0.5 s). ",
+    "have spread (0.5 s).",
     "Delta-plus-SPH and particle shifting (Lind et al. 2012, Sun et al. 2017) move points instead "
     "of pressing.",
     "`Volume correction = 0` where water stays at rest; a correction that leaves the pressure alone.")
@@ -320,7 +321,7 @@ def vibrating(points, cells=16):
 
 BAR = [("period of the vibrating bar / closed form - 1", 0.01, "linear theory; 1 %: verification.md"),
        ("velocity of its centre, rms error / amplitude", 0.05, "linear theory"),
-       ("its energy, drift", 0.02, "references.md 5: 2 %")]
+       ("its energy, drift", 0.02, "practice: 2 %")]
 
 # --- Large motion and strain ---------------------------------------------------
 
@@ -553,16 +554,29 @@ def gate_between(bench):
     by symmetry it stays straight: (tip sideways over its length, energy gained)."""
     h, n = 1 / 16, 17
     s = bench.run(SCENES / "coupled_bed.prm", {
-        "Effects": "inertia, gravity, hydrostatic start, probes", "Probes/surface/Shape": "box(0, 0, 1, 1)",
-        "Probes/interface/Kind": "region", "Probes/surface/Kind": "region", "Domain/Walls/right": "slip",
+        "Effects": "inertia, gravity, hydrostatic start, probes",
         "Domain/Upper corner": f"{n * h!r}, 0.75", "Domain/Cells": f"{n}, 12",
         "Bodies/water/Shape": f"box(0, 0, {8 * h!r}, 0.5) + box({9 * h!r}, 0, {17 * h!r}, 0.5)",
-        "Bodies/bed/Shape": f"box({8 * h!r}, 0, {9 * h!r}, 0.625)", "Bodies/bed/Points per direction": 1,
-        "Node sets/Names": "foot", "Node sets/foot/Shape": f"box({7.9 * h!r}, -0.001, {9.1 * h!r}, 0.001)",
+        "Bodies/bed/Shape": f"box({8 * h!r}, 0, {9 * h!r}, 0.625)",
+        "Bodies/bed/Points per direction": 1, "Node sets/Names": "foot",
+        "Node sets/foot/Shape": f"box({7.9 * h!r}, -0.001, {9.1 * h!r}, 0.001)",
+        "Probes/surface/Kind": "region", "Probes/surface/Shape": "box(0, 0, 1, 1)",
+        "Probes/interface/Kind": "region",
         "Probes/interface/Shape": f"box({8 * h!r}, 0.5625, {9 * h!r}, 0.625)",
-        "Time/Step": 2e-3, "Time/End time": 0.5})
+        "Time/Step": 2e-3, "Time/End time": 0.25})
     return [max(map(abs, bench.probe("interface")["displacement x"])) / 0.625,
             max(0, max(s["energy balance"])) / s["potential energy"][0]]
+
+
+def thin_obstacle(bench):
+    """A dam breaks on an elastic obstacle that is one cell across: peak of its tip."""
+    h = 0.584 / 48
+    bench.run(BENCHMARKS / "dam_break_obstacle.prm", {
+        "Domain/Cells": "48, 36", "Domain/Upper corner": f"0.584, {36 * h!r}",
+        "Node sets/foot/Shape": f"box({0.292 - 0.2 * h!r}, -1e-6, {0.304 + 0.55 * h!r}, 1e-6)",
+        "Probes/tip/Shape": f"box(0.292, {0.08 - h!r}, 0.304, 0.08)", "Time/End time": 0.3},
+        leaving=True)
+    return [1e3 * max(bench.probe("tip")["displacement x"]) - 45]
 
 
 # --- Time ----------------------------------------------------------------------
@@ -700,9 +714,9 @@ def mirror(scene, **more):
     return measure
 
 
-TWO_COLUMNS = {"Effects": "inertia, gravity", "Transfer/FLIP fraction": 0.98,
+TWO_COLUMNS = {"Domain/Cells": "12, 12", "Effects": "inertia, gravity", "Transfer/FLIP fraction": 0.98,
                "Bodies/block/Shape": "box(0, 0, 0.25, 0.5) + box(0.75, 0, 1, 0.5)"}
-LANDING = {"Effects": "inertia, gravity", "Domain/Walls/bottom": "slip",
+LANDING = {"Domain/Cells": "8, 8", "Effects": "inertia, gravity", "Domain/Walls/bottom": "slip",
            "Bodies/block/Law parameters/Young modulus": 1e5}
 
 
@@ -736,27 +750,27 @@ def ranks(scene, settings):
     return measure
 
 
-STILL = [("checkerboard index of the nodal pressure / (rho g H)", 0.02, "references.md 5"),
-         ("rms of the nodal pressure / (rho g H)", 0.02, "references.md 5"),
+COOK = [("rise of the tip of Cook's membrane / that of Q2-P1 elements - 1", 0.03,
+         "tests/references/cook_q2_p1.cc, deal.II's code gallery; 3 %: practice")]
+
+STILL = [("checkerboard index of the nodal pressure / (rho g H)", 0.02, "practice"),
+         ("rms of the nodal pressure / (rho g H)", 0.02, "practice"),
          ("speed, rms of the second half, over sqrt(g H)", 0.01,
-          "1 %, as of weakly compressible water: references.md 5")]
+          "1 %, as the density of weakly compressible water")]
 ONE_PERIOD = ("explicit differences, tests/scenes/coupled.py; a period that is wrong by 1 % "
               "(verification.md) is pi % of the amplitude off at its end")
 
 CASES = [
     *(Case(f"cook_nu_{nu}", "Nearly incompressible", cook(nu),
-           [("rise of the tip of Cook's membrane / that of Q2-P1 elements - 1", 0.03,
-             "tests/references/cook_q2_p1.cc, deal.II's code gallery; 3 %: references.md 5")],
-           on=(LME, MPM, FEM), known={MPM: CROSSING}, safe="`mixed pressure`; gamma 1.8 and 3 x 3 points where points bend",
+           COOK, on=(LME, MPM, FEM), known={MPM: CROSSING},
+           safe="`mixed pressure`; gamma 1.8 and 3 x 3 points where points bend",
            long=nu == 0.3) for nu in (0.3, 0.4999)),
     Case("cook_no_cure", "Nearly incompressible", cook(0.4999, ""),
-         [("rise of the tip of Cook's membrane / that of Q2-P1 elements - 1", 0.03,
-           "as above")], on=(FEM,),
-         known={FEM: LOCKING}),
+         COOK, on=(FEM,), known={FEM: LOCKING}),
     *(Case(f"still_{name}_{lattice}", "Nearly incompressible", still(K, jitter),
-           STILL,
-           on=(LME, MPM) if jitter else (LME, MPM, FEM),
-           known={} if not jitter else {MPM: CROSSING} if K < 1e9 else {LME: CORRECTION, MPM: CORRECTION})
+           STILL, on=(LME, MPM) if jitter else (LME, MPM, FEM), long=K < 1e9 and not jitter,
+           known={} if not jitter else
+           {MPM: CROSSING} if K < 1e9 else {LME: CORRECTION, MPM: CORRECTION})
       for name, K in (("2e6", 2e6), ("2.2e9", 2.2e9))
       for lattice, jitter in (("regular", 0.), ("jittered", 0.3))),
     *(Case(f"still_2.2e9_no_correction{name}", "Nearly incompressible",
@@ -766,18 +780,22 @@ CASES = [
 
     Case("points_on_faces", "Where points are", flight(), FLIGHT, on=(LME, MPM, FEM),
          known={MPM: FACES}),
+    Case("points_on_faces_3d", "Where points are",
+         flight(steps=6, h=0.5, dimension=3, scene=HERE / "column_3d.prm",
+                **{"Bodies/block/Shape": "box(-0.5, -0.5, 2, 0.5, 0.5, 3)"}), FLIGHT, on=(LME, MPM),
+         known={MPM: FACES}),
     Case("points_near_faces", "Where points are", flight(share=0.25 * (1 + 4e-12)), FLIGHT,
          on=(LME, MPM)),
     *(Case("one_point_" + name, "Where points are", parabola(scene),
            [("fallen / (g t^2 / 2) - 1", 1e-10, "exact"), ("momentum / (m g t) - 1", 1e-10, "exact")],
            on=(LME, MPM)) for name, scene in SOLID_AND_WATER),
     *(Case("corner_pair_" + name, "Where points are", in_corner(scene),
-           [("farthest behind a wall / h", 1e-9, "references.md 5"),
+           [("farthest behind a wall / h", 1e-9, "practice"),
             ("energy gained / (m g h)", 1e-3, GROWTH)], on=(LME, MPM))
       for name, scene in SOLID_AND_WATER),
     Case("near_walls", "Where points are", near_walls,
          [("force on the floor / weight - 1, points 1e-12 h from the walls", 0.01,
-           "statics; 1 %: references.md 5"),
+           "statics; 1 %: practice"),
           ("the same - with 1e-6 h", 1e-5, "continuity: ten times 1e-6"),
           ("kinetic energy / (rho g H V) - with 1e-6 h", 1e-5, "continuity: ten times 1e-6")]),
     *(Case(f"bar_{points}_points", "Where points are", vibrating(points), BAR, on=(LME, MPM))
@@ -787,23 +805,25 @@ CASES = [
         "Bodies/block/Points per direction": 1}), FLIGHT, on=(LME, MPM)),
     Case("carried_bar", "Large motion", carried,
          [("strain energy of a bar carried over 20 cells - at rest, over its largest", 0.05,
-           "Galileo; stress within 5 %: references.md 5")], on=(LME, MPM, FEM)),
+           "Galileo; stress within 5 %: practice")], on=(LME, MPM, FEM)),
     Case("turn_360", "Large motion", turn,
          [("steps that are missing", 0, "all"), ("J / (1 + dt^2)^n - 1", 1e-10, "exact")],
          on=(LME, MPM)),
     *(Case("spinning_plate" + name, "Large motion", spin(**more),
-           [("angular momentum, drift in one turn", 0.02, "conserved; 2 %: references.md 5"),
-            ("energy gained", 1e-3, GROWTH), ("J - 1, largest", 8e-3, "rho (w R)^2 / E bounds the strain")],
+           [("angular momentum, drift in one turn", 0.02, "conserved; 2 %: practice"),
+            ("energy gained", 1e-3, GROWTH),
+            ("J - 1, largest", 8e-3, "rho (w R)^2 / E bounds the strain")],
            on=on, known={} if more else {LME: TRANSFER},
            safe="`Scheme = tpic` for bodies that turn" if more else "")
-      for name, more, on in (("_flip", {}, (LME, FEM)), ("_tpic", {"Transfer/Scheme": "tpic"}, (LME, MPM)))),
+      for name, more, on in (("_flip", {}, (LME, FEM)),
+                             ("_tpic", {"Transfer/Scheme": "tpic"}, (LME, MPM)))),
     Case("twist", "Large motion", twist(),
-         [("energy / start - 1", 0.02, "conserved; 2 %: references.md 5"),
+         [("energy / start - 1", 0.02, "conserved; 2 %: practice"),
           ("smallest J below 0", 0, "no inversion")], on=(LME, FEM), known={LME: TRANSFER}, long=True,
          safe="`q4 fem`; gamma 0.8 loses 6 % instead of 28 %"),
     *(Case(f"stretch_{100 * (to - 1):.0f}{name}", "Large motion", stretch(to, **more),
-           [("way of the end / (l - 1) L - 1", 0.02, "P = G (l - 1/l); 2 %: references.md 5"),
-            ("strain energy / closed form - 1", 0.05, "closed form; 5 %: references.md 5")],
+           [("way of the end / (l - 1) L - 1", 0.02, "P = G (l - 1/l); 2 %: practice"),
+            ("strain energy / closed form - 1", 0.05, "closed form; 5 %: practice")],
            on=on, known={} if more else {LME: FRACTURE, MPM: FRACTURE},
            safe="gamma 0.8, for 200 % with 4 x 4 points; gamma 1.8 takes 4 x 4 for 100 %" if more else "")
       for to, name, more, on in (
@@ -824,47 +844,56 @@ CASES = [
           ("0 if they fly apart", 0, "Sulsky, Chen & Schreyer 1994")], on=(LME, MPM),
          known={MPM: FACES}),
     Case("corner_impact", "Contact", corner_impact,
-         [("farthest behind a wall / h", 1e-9, "references.md 5"), ("energy gained", 1e-3, GROWTH),
+         [("farthest behind a wall / h", 1e-9, "practice"), ("energy gained", 1e-3, GROWTH),
           ("momenta x - y, over start", 1e-9, "mirror symmetry"), ("0 if it comes back", 0, "elastic")],
-         on=(LME, MPM)),
+         on=(LME, MPM), safe="`wall release`: without it a wall holds what touches it"),
     Case("jet_on_corner", "Contact", jet,
          [("energy given by nobody / start", 1e-3, GROWTH),
           ("compression / Joukowsky's v/c", 1, "Joukowsky: the strongest blow"),
           ("0 if it turns up", 0, "momentum")], on=(LME, MPM), known={MPM: CROSSING}),
     *(Case(f"splash_{name}", "Contact", splash(end),
            [("energy given by nobody / start", 1e-3, GROWTH),
-            ("volume of the points / start - 1", 0.02, "(v/c)^2 < 1 %: references.md 5"),
-            ("points lost", 0, "none")], on=(LME, MPM), long=end > 1)
-      for name, end in (("0.5s", 0.5), ("2s", 2.))),
-    Case("narrow_gap", "Contact", cavity(0.6),
+            ("volume of the points / start - 1", 0.02, "(v/c)^2 < 1 %: practice"),
+            ("points lost", 0, "none")], on=(LME, MPM), long=end > 1,
+           safe="Newmark gamma 0.6, `FLIP fraction = 0.98`, `Points leaving = keep`" if end > 1 else "")
+      for name, end in (("0.4s", 0.4), ("2s", 2.))),
+    Case("narrow_gap", "Contact", cavity(0.4),
          [("points inside the plate", 0, "none"),
           ("water through the gap / Torricelli's", 1, "Torricelli, no contraction: an upper bound"),
-          ("energy given by nobody / start", 1e-3, GROWTH)]),
+          ("energy given by nobody / start", 1e-3, GROWTH)],
+         safe="two cells in a gap are stable; its held nodes brake the flow: more cells for its rate"),
 
-    *(Case(f"bed_{name}", "Fluid and solid", bounce((density, E), 1., end=end, step=step, stiff=E > 1e8),
+    *(Case(f"bed_{name}", "Fluid and solid",
+           bounce((density, E), 1., end=end, step=step, stiff=E > 1e8),
            [(f"{what}: error / largest displacement", 0.01 * math.pi, ONE_PERIOD) for what in whats],
-           on=(LME, FEM))
+           on=(LME, FEM),
+           safe="Newmark 1/4, 1/2 and 150 steps a period" if name == "density_0.1" else "")
       for name, density, E, end, step, whats in (
           ("density_1", 1000., 1e5, 0.3, 2e-3, ("interface", "surface")),
           ("density_0.1", 100., 1e5, 0.3, 2e-3, ("interface", "surface")),
           ("stiffness_1e6", 1500., 2e12, 0.054, 3.6e-4, ("surface",)))),
     *(Case(f"block_on_water_{name}", "Fluid and solid",
            bounce((500., 1e7), top, top + 0.2, end=0.06, step=4e-4),
-           [(f"{what}: error / largest displacement", 0.01 * math.pi, ONE_PERIOD) for what in ("interface", "surface")],
+           [(f"{what}: error / largest displacement", 0.01 * math.pi, ONE_PERIOD)
+            for what in ("interface", "surface")],
            on=on) for name, top, on in (("on_faces", 0.5, (LME, FEM)), ("off_faces", 0.525, (LME,)))),
     Case("thin_gate", "Fluid and solid", gate_between,
          [("tip sideways / length", 1e-9, "mirror symmetry"),
           ("energy given by nobody / potential energy", 1e-3, GROWTH)], on=(LME, MPM)),
 
+    Case("thin_obstacle", "Fluid and solid", thin_obstacle,
+         [("peak of the tip of an obstacle one cell across - 45 mm (mm)", 4,
+           "41 to 49 mm: six authors, doc/data/obstacle_tip.csv")], long=True),
+
     *(Case(f"courant_{number}", "Time", courant(number, steps),
-           STILL, on=(LME, FEM), known=known,
+           STILL, on=(LME, FEM), known=known, long=number == 1,
            safe="water at rest: fewer than 20 sound crossings a step" if number == 20 else "")
       for number, steps, known in (
           (0.1, 200, {}), (1, 100, {}), (5, 50, {}), (20, 30, {FEM: STABILISATION}),
           (100, 20, {LME: STABILISATION, FEM: STABILISATION}))),
     *(Case(f"front_courant_{number}{name}", "Time", front(number, **more),
-           [("front of a dam break at 0.2 s, difference / way", 0.05,
-             "two crossings a step; 5 %: references.md 5")], long=True,
+           [("front of a dam break at 0.2 s (`Largest move` cuts the longest steps), "
+             "difference / way", 0.05, "two crossings a step; 5 %: practice")], long=True,
            known={LME: PER_STEP} if number == 0.5 and not more else {},
            safe="`FLIP fraction = 1` where steps are short" if more else "")
       for number in (0.5, 5, 20, 100)
@@ -873,57 +902,67 @@ CASES = [
            [("momentum / (m g t) - 1", 1e-6, "exact; Newton's tolerance 1e-9")], on=(LME, MPM))
       for name, scene in SOLID_AND_WATER),
     *(Case(f"rest_{name}", "Time", rest(steps),
-           STILL,
-           on=(LME, MPM), long=steps > 1000) for name, steps in (("1e3", 1000), ("1e4", 10000))),
+           STILL, on=(LME, MPM), long=steps > 1000, known={MPM: CROSSING} if steps > 1000 else {})
+      for name, steps in (("1e3", 1000), ("1e4", 10000))),
     *(Case(f"quiet_{name}", "Time", quiet(steps),
            [("energy gained", 3e-5, "trapezoidal rule: strain v/c of the linear energy")],
            on=(LME, MPM, FEM), long=steps > 500) for name, steps in (("500", 500), ("1e4", 10000))),
-    Case("sudden_load", "Time", oscillator("-9.81", lambda t: -9.81 / OMEGA**2 * (1 - math.cos(OMEGA * t)), 2),
-         [("place - closed form, over the largest", 0.02, "one mass on one spring")], on=(LME, FEM)),
+    Case("sudden_load", "Time", oscillator(
+        "-9.81", lambda t: -9.81 / OMEGA**2 * (1 - math.cos(OMEGA * t)), 2),
+         [("place - closed form, over the largest", 0.02, "one mass on one spring; 2 %")],
+         on=(LME, FEM), long=True),
     Case("harmonic_load", "Time", oscillator(
-        f"sin({HALF!r}*t)", lambda t: (math.sin(HALF * t) - 0.5 * math.sin(OMEGA * t)) / (OMEGA**2 - HALF**2)),
-         [("place - closed form, over the largest", 0.1, "one mass on one spring; 10 %: references.md 5")],
-         on=(LME,)),
+        f"sin({HALF!r}*t)",
+        lambda t: (math.sin(HALF * t) - 0.5 * math.sin(OMEGA * t)) / (OMEGA**2 - HALF**2)),
+         [("place - closed form, over the largest", 0.1, "one mass on one spring; 10 %: practice")],
+         on=(LME,), long=True),
     Case("resonance", "Time", oscillator(
-        f"sin({OMEGA!r}*t)", lambda t: (math.sin(OMEGA * t) - OMEGA * t * math.cos(OMEGA * t)) / (2 * OMEGA**2)),
-         [("place - closed form, over the largest", 0.1, "one mass on one spring; 10 %: references.md 5")],
-         on=(LME, FEM)),
+        f"sin({OMEGA!r}*t)",
+        lambda t: (math.sin(OMEGA * t) - OMEGA * t * math.cos(OMEGA * t)) / (2 * OMEGA**2)),
+         [("place - closed form, over the largest", 0.1, "one mass on one spring; 10 %: practice")],
+         on=(LME, FEM), safe="Newmark gamma 0.5 follows a resonance; 0.6 damps it"),
 
     Case("vanishing_mass", "Meshes", breathing,
          [("energy gained", 1e-3, GROWTH),
-          ("energy - at rest, over start", 0.05, "Galileo; stress within 5 %: references.md 5")],
+          ("energy - at rest, over start", 0.05, "Galileo; stress within 5 %: practice")],
          on=(LME, MPM), known={MPM: CROSSING}),
     Case("graded_flight", "Meshes", flight(dt=0.01, steps=20, h=1 / 128, **GRADED), FLIGHT,
          on=(LME, MPM), known={MPM: FACES}),
     Case("graded_column", "Meshes", graded_column,
-         [("rms of the pressure / (rho g H)", 0.02, "references.md 5"),
-          ("speed, rms / sqrt(g H)", 0.01, "as above")], known={LME: FINER}),
+         [("rms of the pressure / (rho g H)", 0.02, "practice"),
+          ("speed, rms / sqrt(g H)", 0.01,
+           "1 %, as the density of weakly compressible water")], known={LME: FINER}),
     Case("hanging_nodes", "Meshes", patch(1), [("J / det(I + t A) - 1, largest", 1e-10, "exact"),
                                                ("the same over the strain", 1e-8, "exact")],
          on=(MPM, FEM)),
     *(Case("hanging_nodes_lme" + name, "Meshes", patch(1, **more),
            [("J / det(I + t A) - 1, largest", 0.05 * 0.016, "5 % of the strain"),
-            ("the same over the strain", 0.05, "stress within 5 %: references.md 5")],
-           known={} if more else {LME: FINER}, safe="4 x 4 points where the fineness changes" if more else "")
+            ("the same over the strain", 0.05, "stress within 5 %: practice")],
+           known={} if more else {LME: FINER},
+           safe="4 x 4 points where the fineness changes" if more else "")
       for name, more in (("", {}), ("_16_points", {"Bodies/block/Points per direction": 4}))),
 
     Case("mirror_water", "What must not matter", mirror(DROP, **TWO_COLUMNS),
          [("momentum across / sqrt(2 m E)", 1e-9, "mirror symmetry"),
-          ("way of the centre across (m)", 1e-9, "mirror symmetry"), ("steps that are missing", 0, "")],
+          ("way of the centre across (m)", 1e-9, "mirror symmetry"),
+          ("steps that are missing", 0, "all")],
          on=(LME, MPM)),
     Case("mirror_solid", "What must not matter", mirror(BLOCK, **LANDING),
          [("momentum across / sqrt(2 m E)", 1e-9, "mirror symmetry"),
-          ("way of the centre across (m)", 1e-9, "mirror symmetry"), ("steps that are missing", 0, "")],
+          ("way of the centre across (m)", 1e-9, "mirror symmetry"),
+          ("steps that are missing", 0, "all")],
          on=(LME, MPM)),
     Case("shifted_bar", "What must not matter", shifted,
-         [("strain energy, difference / largest", 0.05, "translation; stress within 5 %: references.md 5")],
+         [("strain energy, difference / largest", 0.05, "translation; stress within 5 %: practice")],
          on=(LME, MPM)),
-    Case("ranks_water", "What must not matter", ranks(DROP, {**TWO_COLUMNS, "Time/Step": 2e-3, "Time/End time": 0.01}),
+    Case("ranks_water", "What must not matter",
+         ranks(DROP, {**TWO_COLUMNS, "Time/Step": 2e-3, "Time/End time": 0.01}),
          [("largest difference of the statistics", 1e-8, "same equations; solver's tolerance"),
           ("difference of the steps", 0, "same")]),
-    Case("ranks_solid", "What must not matter", ranks(BLOCK, {"Bodies/block/Initial velocity": "-5*y; 5*x", "Time/End time": 0.005}),
+    Case("ranks_solid", "What must not matter",
+         ranks(BLOCK, {"Bodies/block/Initial velocity": "-5*y; 5*x", "Time/End time": 0.005}),
          [("largest difference of the statistics", 1e-8, "same equations; solver's tolerance"),
-          ("difference of the steps", 0, "same")], on=(LME, FEM)),
+          ("difference of the steps", 0, "same")], on=(LME, FEM), long=True),
 ]
 
 
@@ -973,6 +1012,8 @@ INTRODUCTION = """# Hard cases
 Generated by `tests/hard/battery.py SELKIE --full --markdown doc/hard-cases.md`; do not edit.
 
 Simulations with material points are known to explode. These cases are made of what makes them: each is measured against theory, the literature or a converged reference, never against the program's own earlier output. Every run must also end with exit code 0 and keep all points, all mass (to 1e-12) and finite figures. The margin is limit / result; what is below 1 fails. `ctest -L hard` runs them, `-LE long` the quick part (LME-MPM, or the first approximation that applies).
+
+*Practice* is the measure that the literature plots for a failure and what it calls good: pressure at rest within 2 % of rho g H after ten acoustic periods, tip of Cook's membrane within 3 %, energy and angular momentum of large motions within 2 %, stress of a body that is carried through the mesh within 5 %, front of a dam break within 5 % to a Courant number of 5, force on a wall within 1 %, no point behind a wall by more than 1e-9 h, a stretch of 100 % without a gap, resonance within 10 %.
 """
 
 
@@ -1010,7 +1051,8 @@ def markdown(results, version):
             out.append("")
     out += [f"**`{r.name}`**: not explained. {r.broken}\n" for r in results
             if not r.passed and not r.known]
-    out.append("## Which settings make a case safe\n\n| case | settings |\n| --- | --- |")
+    out.append("## Which settings make a case safe\n\nThe defaults, where nothing is said.\n\n"
+               "| case | settings |\n| --- | --- |")
     out += [f"| `{case.name}` | {case.safe} |" for case in CASES if case.safe]
     return "\n".join(out) + "\n"
 
@@ -1067,7 +1109,8 @@ def main():
     bad = [result.name for result in results if not result.good]
     print(f"{len(results)} cases, {sum(r.passed for r in results)} passed, "
           f"{sum(not r.passed and r.good for r in results)} known failures, "
-          f"{sum(r.seconds for r in results):.0f} s CPU" + (f"; NOT GOOD: {', '.join(bad)}" if bad else ""))
+          f"{sum(r.seconds for r in results):.0f} s CPU"
+          + (f"; NOT GOOD: {', '.join(bad)}" if bad else ""))
     return 1 if bad else 0
 
 
