@@ -28,7 +28,7 @@ namespace selkie
         case SolverKind::cg_hats:
           return "CG with ML of the hat functions";
         case SolverKind::gmres_block:
-          return "GMRES with block LDL^T";
+          return "GMRES with block triangular multigrid";
         case SolverKind::minres_jacobi:
           return "MINRES with Jacobi";
         case SolverKind::direct:
@@ -83,7 +83,7 @@ namespace selkie
   {
     const SolverKind kind = choose(system, traits).kind;
     return kind == SolverKind::cg_hats ||
-           (kind == SolverKind::gmres_block && traits.lme && traits.has_solid);
+           (kind == SolverKind::gmres_block && traits.lme);
   }
 
   template <int dim>
@@ -111,7 +111,7 @@ namespace selkie
           case SolverKind::cg_hats:
             return make_hats(system);
           case SolverKind::gmres_block:
-            return make_block_ldlt(system, matrix, traits.has_solid);
+            return make_block_triangular(system, traits.has_solid);
           default:
             return make_jacobi(matrix);
         }

@@ -1,13 +1,11 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/solver/multigrid.h>
+#include <selkie/solver/node_blocks.h>
 #include <selkie/solver/preconditioner.h>
-
-#include <deal.II/lac/dynamic_sparsity_pattern.h>
-#include <deal.II/lac/precondition.h>
+#include <selkie/solver/two_level.h>
 
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_CrsMatrix.h>
-#include <Epetra_MultiVector.h>
-#include <ml_MultiLevelPreconditioner.h>
 
 namespace selkie
 {
@@ -15,13 +13,6 @@ namespace selkie
 
   namespace
   {
-    /// Views of the owned values as Epetra vectors; no copies.
-    Epetra_Vector
-    view(const Epetra_BlockMap &map, const double *values)
-    {
-      return Epetra_Vector(View, map, const_cast<double *>(values));
-    }
-
     class Jacobi : public Preconditioner
     {
     public:
@@ -45,127 +36,148 @@ namespace selkie
       std::vector<double> inverse;
     };
 
+    /// The inverses of the diagonal blocks of the nodes' displacements.
+    template <int dim, typename Number>
+    class NodeDiagonal
+    {
+    public:
+      explicit NodeDiagonal(const unsigned int n_nodes)
+        : blocks(n_nodes)
+      {}
+
+      void
+      add(const unsigned int row, const unsigned int column, const double value)
+      {
+        if (row / dim == column / dim)
+          blocks[row / dim][row % dim][column % dim] = value;
+      }
+
+      void
+      invert()
+      {
+        for (auto &block : blocks)
+          block = dealii::invert(block);
+      }
+
+      template <typename VectorType>
+      void
+      vmult(VectorType &x, const VectorType &b) const
+      {
+        for (unsigned int node = 0; node < blocks.size(); ++node)
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              Number sum = 0.;
+              for (unsigned int j = 0; j < dim; ++j)
+                sum += blocks[node][i][j] * b.local_element(node * dim + j);
+              x.local_element(node * dim + i) = sum;
+            }
+        for (unsigned int i = dim * blocks.size(); i < x.locally_owned_size();
+             ++i)
+          x.local_element(i) = 0.;
+      }
+
+    private:
+      std::vector<Tensor<2, dim, Number>> blocks;
+    };
+
     template <int dim>
     class NodeBlockJacobi : public Preconditioner
     {
     public:
       NodeBlockJacobi(const System<dim>                    &system,
                       const TrilinosWrappers::SparseMatrix &matrix)
-        : blocks(system.n_owned_displacements() / dim)
+        : diagonal(system.n_owned_displacements() / dim)
       {
         int    *start, *column;
         double *values;
         matrix.trilinos_matrix().ExtractCrsDataPointers(start, column, values);
-        for (unsigned int node = 0; node < blocks.size(); ++node)
-          for (unsigned int i = 0; i < dim; ++i)
-            for (int k = start[node * dim + i]; k < start[node * dim + i + 1];
-                 ++k)
-              {
-                const int j = column[k] - static_cast<int>(node * dim);
-                if (j >= 0 && j < dim)
-                  blocks[node][i][j] = values[k];
-              }
-        for (auto &block : blocks)
-          block = invert(block);
+        for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
+          for (int k = start[i]; k < start[i + 1]; ++k)
+            diagonal.add(i, column[k], values[k]);
+        diagonal.invert();
       }
 
       void
       vmult(Vector &x, const Vector &b) const override
       {
-        for (unsigned int node = 0; node < blocks.size(); ++node)
-          for (unsigned int i = 0; i < dim; ++i)
-            {
-              double sum = 0.;
-              for (unsigned int j = 0; j < dim; ++j)
-                sum += blocks[node][i][j] * b.local_element(node * dim + j);
-              x.local_element(node * dim + i) = sum;
-            }
+        diagonal.vmult(x, b);
       }
 
     private:
-      std::vector<Tensor<2, dim>> blocks;
+      NodeDiagonal<dim, double> diagonal;
     };
 
-    /// ML on an Epetra matrix; with modes for displacements, without for
-    /// scalars.
-    class Multigrid : public Preconditioner
+    /// ML on the matrix itself.
+    template <int dim>
+    class Ml : public Preconditioner
     {
     public:
-      Multigrid(const Epetra_CrsMatrix            &matrix,
-                const unsigned int                 n_equations,
-                std::vector<std::vector<double>> &&modes)
-      {
-        Teuchos::ParameterList list;
-        ML_Epetra::SetDefaults("SA", list);
-        list.set("ML output", 0);
-        list.set("PDE equations", static_cast<int>(n_equations));
-        list.set("aggregation: threshold", 0.02);
-        list.set("aggregation: type", "Uncoupled");
-        list.set("smoother: type", "Chebyshev");
-        list.set("smoother: sweeps", 2);
-        list.set("smoother: Chebyshev alpha", 8.);
-        list.set("coarse: type", "Amesos-KLU");
-        list.set("coarse: max size", 500);
-        for (const auto &mode : modes)
-          null_space.insert(null_space.end(), mode.begin(), mode.end());
-        if (!modes.empty())
-          {
-            list.set("null space: type", "pre-computed");
-            list.set("null space: dimension", static_cast<int>(modes.size()));
-            list.set("null space: vectors", null_space.data());
-          }
-        ml =
-          std::make_unique<ML_Epetra::MultiLevelPreconditioner>(matrix, list);
-      }
-
-      void
-      apply(const double *b, double *x) const
-      {
-        const auto &map   = ml->OperatorRangeMap();
-        auto        b_epe = view(map, b);
-        auto        x_epe = view(map, x);
-        ml->ApplyInverse(b_epe, x_epe);
-      }
+      Ml(const System<dim> &system, const Epetra_CrsMatrix &matrix)
+        : ml(matrix, dim, rigid_body_modes(system))
+      {}
 
       void
       vmult(Vector &x, const Vector &b) const override
       {
-        apply(b.begin(), x.begin());
+        ml.apply(b.begin(), x.begin());
       }
 
     private:
-      std::vector<double>                                  null_space;
-      std::unique_ptr<ML_Epetra::MultiLevelPreconditioner> ml;
+      const Multigrid ml;
     };
 
-    /// Translations and rotations at the owned nodes.
     template <int dim>
-    std::vector<std::vector<double>>
-    rigid_body_modes(const System<dim> &system)
+    std::shared_ptr<NodeDiagonal<dim, float>>
+    diagonal_of(const NodeBlocks<dim, dim> &A, const unsigned int n_nodes)
     {
-      constexpr unsigned int           n_modes = dim == 2 ? 3 : 6;
-      const auto                      &nodes   = system.owned_nodes();
-      std::vector<std::vector<double>> modes(
-        n_modes, std::vector<double>(dim * nodes.size(), 0.));
-      for (unsigned int k = 0; k < nodes.size(); ++k)
-        {
-          const Point<dim> &x = system.cloud.position(nodes[k]);
-          for (unsigned int d = 0; d < dim; ++d)
-            modes[d][dim * k + d] = 1.;
-          unsigned int mode = dim;
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = i + 1; j < dim; ++j, ++mode)
-              {
-                modes[mode][dim * k + i] = -x[j];
-                modes[mode][dim * k + j] = x[i];
-              }
-          for (unsigned int d = 0; d < dim; ++d)
-            if (system.held(dim * k + d))
-              for (auto &m : modes)
-                m[dim * k + d] = 0.;
-        }
-      return modes;
+      auto diagonal = std::make_shared<NodeDiagonal<dim, float>>(n_nodes);
+      A.for_each([&](const unsigned int row,
+                     const unsigned int column,
+                     const float        value) {
+        diagonal->add(row, column, value);
+      });
+      diagonal->invert();
+      return diagonal;
     }
+
+    template <int dim>
+    FloatVector
+    float_vector(const System<dim> &system)
+    {
+      FloatVector vector;
+      vector.reinit(system.partitioner());
+      return vector;
+    }
+
+    /// The displacement block of the system's matrix, and what is near its
+    /// inverse.
+    template <int dim>
+    class DisplacementBlock
+    {
+    public:
+      /// @param hats the same block of the hat functions' matrix; it has to
+      ///   outlive this
+      DisplacementBlock(const System<dim>       &system,
+                        const std::vector<bool> &is_pressure,
+                        const Epetra_CrsMatrix  &hats)
+        : A(system,
+            system.matrix(),
+            is_pressure,
+            Part::displacements,
+            Part::displacements)
+        , inverse(A,
+                  diagonal_of(A, system.n_owned_displacements() / dim),
+                  float_vector(system),
+                  0,
+                  system.n_owned_displacements(),
+                  std::make_unique<const Multigrid>(hats,
+                                                    dim,
+                                                    rigid_body_modes(system)))
+      {}
+
+      const NodeBlocks<dim, dim> A;
+      const TwoLevel<NodeBlocks<dim, dim>, NodeDiagonal<dim, float>> inverse;
+    };
 
     /// See make_hats().
     template <int dim>
@@ -173,53 +185,24 @@ namespace selkie
     {
     public:
       explicit Hats(const System<dim> &system)
-        : A(system.matrix())
-        , hats(system.hats())
-        , ml(hats->trilinos_matrix(), dim, rigid_body_modes(system))
-      {
-        typename Smoother::AdditionalData data;
-        data.degree              = 2;
-        data.smoothing_range     = 8.;
-        data.eig_cg_n_iterations = 8; // its safety factor is 1.2
-        data.preconditioner =
-          std::make_shared<NodeBlockJacobi<dim>>(system, A);
-        smoother.initialize(A, data);
-      }
+        : hats(system.hats())
+        , block(system, pressure_unknowns(system), hats->trilinos_matrix())
+        , in(float_vector(system))
+        , out(float_vector(system))
+      {}
 
       void
       vmult(Vector &x, const Vector &b) const override
       {
-        if (residual.get_partitioner() != b.get_partitioner())
-          {
-            residual.reinit(b);
-            correction.reinit(b);
-          }
-        smoother.vmult(x, b);
-        add_residual(ml, x, b);
-        add_residual(smoother, x, b);
+        in.copy_locally_owned_data_from(b);
+        block.inverse.vmult(out, in);
+        x.copy_locally_owned_data_from(out);
       }
 
     private:
-      using Smoother = PreconditionChebyshev<TrilinosWrappers::SparseMatrix,
-                                             Vector,
-                                             NodeBlockJacobi<dim>>;
-
-      /// x += P (b - A x)
-      template <typename Inverse>
-      void
-      add_residual(const Inverse &P, Vector &x, const Vector &b) const
-      {
-        A.vmult(residual, x);
-        residual.sadd(-1., 1., b);
-        P.vmult(correction, residual);
-        x += correction;
-      }
-
-      const TrilinosWrappers::SparseMatrix                         &A;
-      const std::shared_ptr<const TrilinosWrappers::SparseMatrix>   hats;
-      const Multigrid                                               ml;
-      Smoother                                                      smoother;
-      mutable Vector residual, correction;
+      const std::shared_ptr<const TrilinosWrappers::SparseMatrix> hats;
+      const DisplacementBlock<dim>                                block;
+      mutable FloatVector                                         in, out;
     };
 
     /// The rows [row_begin, row_end) of a rank, restricted to the columns that
@@ -293,78 +276,197 @@ namespace selkie
       }
     };
 
-    template <int dim>
-    class BlockLDLT : public Preconditioner
+    /// A vector's values at the pressures.
+    class PressureDiagonal
     {
     public:
-      BlockLDLT(const System<dim>      &system,
-                const Epetra_CrsMatrix &K,
-                const bool              multigrid_for_displacements)
-        : blocks(system, K)
-        , D_inverse(blocks.u_map)
+      PressureDiagonal(const FloatVector &sample, const unsigned int first)
+        : first(first)
+        , inverse(sample)
+      {}
+
+      void
+      vmult(FloatVector &x, const FloatVector &b) const
       {
-        blocks.A->ExtractDiagonalCopy(D_inverse);
-        for (int i = 0; i < D_inverse.MyLength(); ++i)
-          D_inverse[i] = 1. / D_inverse[i];
-        if (multigrid_for_displacements)
-          A_multigrid = std::make_unique<Multigrid>(*blocks.A,
-                                                    dim,
-                                                    rigid_body_modes(system));
-        form_schur_complement();
-        S_multigrid =
-          std::make_unique<Multigrid>(*S,
-                                      1,
-                                      std::vector<std::vector<double>>());
+        for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
+          x.local_element(i) =
+            i < first ? 0.f : inverse.local_element(i) * b.local_element(i);
+      }
+
+      const unsigned int first;
+      FloatVector        inverse;
+    };
+
+    /// S = C + B^T D^{-1} B, D = diag(A), never formed. Pressures are those
+    /// from `first` on.
+    template <int dim>
+    class Schur : public Subscriptor
+    {
+    public:
+      Schur(const System<dim>       &system,
+            const std::vector<bool> &is_pressure)
+        : first(system.n_owned_displacements())
+        , B(system,
+            system.matrix(),
+            is_pressure,
+            Part::displacements,
+            Part::pressures)
+        , BT(system,
+             system.matrix(),
+             is_pressure,
+             Part::pressures,
+             Part::displacements)
+        , minus_C(system,
+                  system.matrix(),
+                  is_pressure,
+                  Part::pressures,
+                  Part::pressures)
+        , D_inverse(float_vector(system))
+        , scratch(float_vector(system))
+      {
+        Epetra_Vector diagonal(system.matrix().trilinos_matrix().RowMap());
+        system.matrix().trilinos_matrix().ExtractDiagonalCopy(diagonal);
+        for (unsigned int i = 0; i < first; ++i)
+          D_inverse.local_element(i) = 1. / diagonal[i];
+        D_inverse.update_ghost_values();
+      }
+
+      void
+      vmult(FloatVector &y, const FloatVector &x) const
+      {
+        x.update_ghost_values();
+        scratch = 0.f;
+        B.vmult_add(scratch, 1.f, x);
+        for (unsigned int i = 0; i < first; ++i)
+          scratch.local_element(i) *= D_inverse.local_element(i);
+        scratch.update_ghost_values();
+        y = 0.f;
+        BT.vmult_add(y, 1.f, scratch);
+        minus_C.vmult_add(y, -1.f, x);
+        x.zero_out_ghost_values();
+        scratch.zero_out_ghost_values();
+      }
+
+      /// B is the transpose of B^T.
+      std::shared_ptr<PressureDiagonal>
+      diagonal() const
+      {
+        auto result = std::make_shared<PressureDiagonal>(scratch, first);
+        auto &d     = result->inverse;
+        minus_C.for_each([&](const unsigned int row,
+                             const unsigned int column,
+                             const float        value) {
+          if (row == column)
+            d.local_element(row) -= value;
+        });
+        BT.for_each([&](const unsigned int row,
+                        const unsigned int column,
+                        const float        value) {
+          d.local_element(row) +=
+            value * value * D_inverse.local_element(column);
+        });
+        for (unsigned int i = first; i < d.locally_owned_size(); ++i)
+          d.local_element(i) = 1.f / d.local_element(i);
+        return result;
+      }
+
+      const unsigned int       first;
+      const NodeBlocks<dim, 1> B;
+      const NodeBlocks<1, dim> BT;
+      const NodeBlocks<1, 1>   minus_C;
+
+    private:
+      FloatVector         D_inverse;
+      mutable FloatVector scratch;
+    };
+
+    /// S of the hat functions, formed: they couple with neighbours only.
+    std::unique_ptr<Epetra_CrsMatrix>
+    form_schur_complement(const Blocks &blocks)
+    {
+      Epetra_Vector D_inverse(blocks.u_map);
+      blocks.A->ExtractDiagonalCopy(D_inverse);
+      for (int i = 0; i < D_inverse.MyLength(); ++i)
+        D_inverse[i] = 1. / D_inverse[i];
+      Epetra_CrsMatrix scaled(*blocks.B);
+      scaled.LeftScale(D_inverse);
+      Epetra_CrsMatrix product(Copy, blocks.p_map, 0);
+      EpetraExt::MatrixMatrix::Multiply(
+        *blocks.BT, false, scaled, false, product);
+      Epetra_CrsMatrix *sum = nullptr;
+      EpetraExt::MatrixMatrix::Add(
+        *blocks.C, false, -1., product, false, 1., sum);
+      sum->FillComplete(blocks.p_map, blocks.p_map);
+      return std::unique_ptr<Epetra_CrsMatrix>(sum);
+    }
+
+    /// See make_block_triangular().
+    template <int dim>
+    class BlockTriangular : public Preconditioner
+    {
+    public:
+      BlockTriangular(const System<dim>      &system,
+                      const Epetra_CrsMatrix &hat_matrix,
+                      const bool              with_solid)
+        : is_pressure(pressure_unknowns(system))
+        , hats(system, hat_matrix)
+        , S_hats(form_schur_complement(hats))
+        , S(system, is_pressure)
+        , S_inverse(S,
+                    S.diagonal(),
+                    float_vector(system),
+                    S.first,
+                    system.n_owned(),
+                    std::make_unique<const Multigrid>(*S_hats, 1))
+        , in(float_vector(system))
+        , u(float_vector(system))
+        , p(float_vector(system))
+      {
+        if (with_solid)
+          A = std::make_unique<DisplacementBlock<dim>>(system,
+                                                       is_pressure,
+                                                       *hats.A);
+        else
+          {
+            const NodeBlocks<dim, dim> blocks(system,
+                                              system.matrix(),
+                                              is_pressure,
+                                              Part::displacements,
+                                              Part::displacements);
+            A_diagonal =
+              diagonal_of(blocks, system.n_owned_displacements() / dim);
+          }
       }
 
       void
       vmult(Vector &x, const Vector &b) const override
       {
-        const int     n_u = blocks.n_u;
-        Epetra_Vector z(blocks.u_map), t(blocks.u_map), r(blocks.p_map);
-        solve_A(b.begin(), z.Values());
-        blocks.BT->Multiply(false, z, r);
-        for (int i = 0; i < r.MyLength(); ++i)
-          r[i] -= b.local_element(n_u + i);
-        S_multigrid->apply(r.Values(), x.begin() + n_u);
-        const auto p = view(blocks.p_map, x.begin() + n_u);
-        blocks.B->Multiply(false, p, t);
-        Epetra_Vector correction(blocks.u_map);
-        solve_A(t.Values(), correction.Values());
-        for (int i = 0; i < n_u; ++i)
-          x.local_element(i) = z[i] - correction[i];
+        const unsigned int n_u = S.first;
+        in.copy_locally_owned_data_from(b);
+        S_inverse.vmult(p, in);
+        p *= -1.f;
+        p.update_ghost_values();
+        S.B.vmult_add(in, -1.f, p);
+        p.zero_out_ghost_values();
+        for (unsigned int i = n_u; i < in.locally_owned_size(); ++i)
+          in.local_element(i) = 0.f;
+        if (A)
+          A->inverse.vmult(u, in);
+        else
+          A_diagonal->vmult(u, in);
+        u += p;
+        x.copy_locally_owned_data_from(u);
       }
 
     private:
-      void
-      solve_A(const double *b, double *x) const
-      {
-        if (A_multigrid)
-          A_multigrid->apply(b, x);
-        else
-          for (int i = 0; i < D_inverse.MyLength(); ++i)
-            x[i] = D_inverse[i] * b[i];
-      }
-
-      void
-      form_schur_complement()
-      {
-        Epetra_CrsMatrix scaled(*blocks.B);
-        scaled.LeftScale(D_inverse);
-        Epetra_CrsMatrix product(Copy, blocks.p_map, 0);
-        EpetraExt::MatrixMatrix::Multiply(
-          *blocks.BT, false, scaled, false, product);
-        Epetra_CrsMatrix *sum = nullptr;
-        EpetraExt::MatrixMatrix::Add(
-          *blocks.C, false, -1., product, false, 1., sum);
-        S.reset(sum);
-        S->FillComplete(blocks.p_map, blocks.p_map);
-      }
-
-      const Blocks                      blocks;
-      Epetra_Vector                     D_inverse;
-      std::unique_ptr<Epetra_CrsMatrix> S;
-      std::unique_ptr<Multigrid>        A_multigrid, S_multigrid;
+      const std::vector<bool>                                is_pressure;
+      const Blocks                                           hats;
+      const std::unique_ptr<Epetra_CrsMatrix>                S_hats;
+      const Schur<dim>                                       S;
+      const TwoLevel<Schur<dim>, PressureDiagonal>           S_inverse;
+      std::unique_ptr<DisplacementBlock<dim>>                A;
+      std::shared_ptr<NodeDiagonal<dim, float>>              A_diagonal;
+      mutable FloatVector                                    in, u, p;
     };
   } // namespace
 
@@ -387,9 +489,7 @@ namespace selkie
   make_ml(const System<dim>                    &system,
           const TrilinosWrappers::SparseMatrix &matrix)
   {
-    return std::make_unique<Multigrid>(matrix.trilinos_matrix(),
-                                       dim,
-                                       rigid_body_modes(system));
+    return std::make_unique<Ml<dim>>(system, matrix.trilinos_matrix());
   }
 
   template <int dim>
@@ -401,13 +501,12 @@ namespace selkie
 
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_block_ldlt(const System<dim>                    &system,
-                  const TrilinosWrappers::SparseMatrix &matrix,
-                  const bool multigrid_for_displacements)
+  make_block_triangular(const System<dim> &system, const bool with_solid)
   {
-    return std::make_unique<BlockLDLT<dim>>(system,
-                                            matrix.trilinos_matrix(),
-                                            multigrid_for_displacements);
+    const auto &hats = system.hats() ? *system.hats() : system.matrix();
+    return std::make_unique<BlockTriangular<dim>>(system,
+                                                  hats.trilinos_matrix(),
+                                                  with_solid);
   }
 
 #define INSTANTIATE(dim)                                                 \
@@ -417,8 +516,8 @@ namespace selkie
     const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
   template std::unique_ptr<const Preconditioner> make_hats(              \
     const System<dim> &);                                                \
-  template std::unique_ptr<const Preconditioner> make_block_ldlt(        \
-    const System<dim> &, const TrilinosWrappers::SparseMatrix &, const bool)
+  template std::unique_ptr<const Preconditioner> make_block_triangular(  \
+    const System<dim> &, const bool)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -32,32 +32,27 @@ namespace selkie
   make_node_block_jacobi(const System<dim>                            &system,
                          const dealii::TrilinosWrappers::SparseMatrix &matrix);
 
-  /// ML smoothed aggregation with the rigid-body modes of the nodes,
-  /// threshold 0.02, Chebyshev smoother of degree 2 (solver.md, section 2).
+  /// ML on the matrix itself, with the rigid-body modes of the nodes.
   template <int dim>
   std::unique_ptr<const Preconditioner>
   make_ml(const System<dim>                            &system,
           const dealii::TrilinosWrappers::SparseMatrix &matrix);
 
-  /**
-   * For LME: Chebyshev sweeps of degree 2 on System::matrix(), one V-cycle of
-   * ML on the hat functions' matrix System::hats() of the same nodes, and the
-   * sweeps again (solver.md, section 2): ML sees 9 points (27 in 3D) where LME
-   * couples 50 to 200, and the sweeps see the short waves, which LME makes
-   * softer.
-   */
+  /// For the displacements of LME: see TwoLevel. Needs System::hats().
   template <int dim>
   std::unique_ptr<const Preconditioner>
   make_hats(const System<dim> &system);
 
   /**
-   * Block LDL^T for the mixed system [A B; B^T -C] (solver.md, section 4):
-   *   P = [A 0; B^T -S] [I A^{-1} B; 0 I],  S = C + B^T D^{-1} B,
-   * D = diag(A), A^{-1} by Jacobi (fluids) or ML (with solids), S^{-1} by ML.
+   * For the mixed system [A B; B^T -C], upper block triangular:
+   *   P = [A B; 0 -S],  S = C + B^T D^{-1} B,  D = diag(A),
+   * S^{-1} by TwoLevel with S of the hat functions as its coarse matrix, A^{-1}
+   * by TwoLevel with solids, by node blocks in fluids (A is their mass). Counts
+   * iterations as the block LDL^T of solver.md, section 4, does, and inverts A
+   * once instead of twice (doc/performance.md). Without System::hats() the
+   * system's own functions are hats.
    */
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_block_ldlt(const System<dim>                            &system,
-                  const dealii::TrilinosWrappers::SparseMatrix &matrix,
-                  const bool multigrid_for_displacements);
+  make_block_triangular(const System<dim> &system, const bool with_solid);
 } // namespace selkie
