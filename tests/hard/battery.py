@@ -668,6 +668,15 @@ def breathing(bench):
     return [gain(curves[1]), max(abs(a - b) for a, b in zip(*curves)) / curves[0][0]]
 
 
+def ringing(bench):
+    """A free block swings in itself, a wave of 16 cells, for seven periods: energy
+    lost."""
+    s = bench.run(BLOCK, {"Bodies/block/Initial velocity": "0.02*cos(2*pi*(x - 0.25)); 0",
+                          "Time/Step": 2e-3, "Time/End time": 0.2})
+    total = energy(s)
+    return [1 - total[-1] / total[0]]
+
+
 GRADED = {"Domain/Cells": "8, 8", "Domain/Refinements/Names": "fine",
           "Domain/Refinements/fine/Shape": "box(0.5, 0.5, 0.55, 0.55)",
           "Domain/Refinements/fine/Levels": 4}
@@ -818,6 +827,9 @@ CASES = [
            safe="`Scheme = tpic` for bodies that turn" if more else "")
       for name, more, on in (("_flip", {}, (LME, FEM)),
                              ("_tpic", {"Transfer/Scheme": "tpic"}, (LME, MPM)))),
+    Case("ringing", "Large motion", ringing,
+         [("energy lost in seven periods", 0.02, "conserved; 2 %: practice")], on=(LME, MPM, FEM),
+         known={LME: TRANSFER, MPM: TRANSFER}, safe="`q4 fem`; 64 cells a wave lose 1e-3"),
     Case("twist", "Large motion", twist(),
          [("energy / start - 1", 0.02, "conserved; 2 %: practice"),
           ("smallest J below 0", 0, "no inversion")], on=(LME, FEM), known={LME: TRANSFER}, long=True,
