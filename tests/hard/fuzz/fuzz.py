@@ -167,11 +167,12 @@ def shrink(scene, selkie, folder, kind):
 
     again = True
     while again:
-        again = False
-        for smaller in scene.smaller():
-            if still(smaller):
-                scene, again = smaller, True
-                break
+        again, i = False, 0
+        while i < len(smaller := list(scene.smaller())):
+            if still(smaller[i]):
+                scene, again = smaller[i], True
+            else:
+                i += 1
     still(scene)
     return scene
 
