@@ -41,6 +41,28 @@ namespace selkie
   }
 
   template <int dim>
+  const Vector &
+  NodeRelease<dim>::kept_walls(const NodeCloud<dim> &cloud)
+  {
+    kept.resize(cloud.size(), 0);
+    kept_numbers.reinit(cloud.partitioner());
+    for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+      kept_numbers.local_element(node) = kept[node];
+    kept_numbers.update_ghost_values();
+    return kept_numbers;
+  }
+
+  template <int dim>
+  void
+  NodeRelease<dim>::restore(const Vector &walls)
+  {
+    kept.resize(walls.locally_owned_size() +
+                walls.get_partitioner()->n_ghost_indices());
+    for (unsigned int node = 0; node < kept.size(); ++node)
+      kept[node] = static_cast<unsigned int>(walls.local_element(node));
+  }
+
+  template <int dim>
   unsigned int
   NodeRelease<dim>::free_walls(const unsigned int node,
                                const Vector      &residual,

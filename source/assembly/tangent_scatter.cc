@@ -52,9 +52,10 @@ namespace selkie
 
   template <int dim>
   void
-  TangentScatter<dim>::find_positions(const unsigned int row)
+  TangentScatter<dim>::find_positions(const unsigned int row,
+                                      const unsigned int stride)
   {
-    for (int k = row_start[row]; k < row_start[row + 1]; ++k)
+    for (int k = row_start[row]; k < row_start[row + 1]; k += stride)
       positions[column[k]] = k - row_start[row];
     for (unsigned int b = 0; b < u_columns.size(); ++b)
       u_positions[b] = positions[u_columns[b]];
@@ -98,7 +99,7 @@ namespace selkie
         // The displacement rows of a node share their columns, and those of a
         // node follow each other.
         if (c == 0 || c == dim)
-          find_positions(row);
+          find_positions(row, system.n_global_pressures() == 0 ? dim : 1);
         double *row_values = values + row_start[row];
         if (factor == 0.) // held: the diagonal alone
           {

@@ -32,13 +32,13 @@ namespace selkie
 
 
   void
-  Log::open(const std::string &directory)
+  Log::open(const std::string &directory, const bool go_on)
   {
     const std::string name = directory + "/log.txt";
     std::string       error;
     if (root)
       {
-        file.open(name);
+        file.open(name, go_on ? std::ios::app : std::ios::out);
         if (!file)
           error = "cannot write '" + name + "': " + std::strerror(errno);
         for (const std::string &text : said)

@@ -32,8 +32,7 @@ namespace selkie
       else if (word == "report")
         result.command = Command::report;
       else if (word == "resume")
-        throw SceneError("the command '" + word +
-                         "' is not in this version yet; " + usage);
+        result.command = Command::resume;
       else
         return false;
       return true;
@@ -71,9 +70,13 @@ namespace selkie
       const std::string &argument = arguments[i];
       if (is_option(argument, "--output"))
         result.output = option_value(arguments, "--output", i);
+      else if (is_option(argument, "--reference") &&
+               result.command == Command::report)
+        result.references.push_back(option_value(arguments, "--reference", i));
       else if (argument.rfind("-", 0) == 0)
         throw SceneError("unknown option '" + argument + "' for '" +
-                         arguments[0] + "'; allowed is --output; " + usage);
+                         arguments[0] + "'; allowed is --output, and --reference for "
+                         "'report'; " + usage);
       else
         result.folders.push_back(argument);
     }
@@ -146,6 +149,8 @@ namespace selkie
       }
     for (; i < arguments.size(); ++i)
       read_argument(arguments, i, result);
+    if (result.command == Command::resume && result.file.empty())
+      throw SceneError("'resume' needs the output folder of a run; " + usage);
     if (result.command != Command::parameters && result.file.empty())
       throw SceneError("no scene: the name of a .prm file is needed; " + usage);
     return result;
@@ -159,6 +164,7 @@ namespace selkie
 
   selkie [run] FILE.prm   run a scene
   selkie check FILE.prm   check a scene and say what a run would cost; run nothing
+  selkie resume DIR       go on with a run from its last checkpoint
   selkie study FILE.prm   run a scene with many settings; draw error against time
   selkie report DIR...    make one HTML page of runs or of a study
   selkie compare A B      say what two finished runs differ in: their output folders
@@ -170,6 +176,7 @@ namespace selkie
   --output DIR                 where to write; default: output/ and the file's name;
                                'compare': A/compare_ and the name of B;
                                'report': DIR/report.html
+  --reference PROBE=CSV        with 'report': a curve to draw over a probe's
   --markdown                   with 'parameters': as Markdown (doc/parameters.md)
 
 For several processes: mpirun -np N selkie ...

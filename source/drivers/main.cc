@@ -10,6 +10,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -37,6 +38,8 @@ namespace
       read_scene<dim>(command_line.file, command_line.overrides);
     if (command_line.command == CommandLine::Command::run)
       return run_scene(scene, comm);
+    if (command_line.command == CommandLine::Command::resume)
+      return run_scene(scene, comm, true);
     print_plan(scene, comm);
     return done;
   }
@@ -55,12 +58,50 @@ namespace
   }
 
 
+  /// A run that is resumed goes on with the scene that it began with, as its
+  /// output folder has it; what may be changed is how it goes on.
+  CommandLine
+  as_resumed_scene(CommandLine command_line)
+  {
+    static const std::vector<std::string> allowed = {
+      "Title=",
+      "Time/",
+      "Newton/",
+      "Linear solver/",
+      "Audit/",
+      "Output/Interval=",
+      "Output/Mesh=",
+      "Output/Checkpoint steps=",
+      "Output/Checkpoint minutes="};
+    const std::string folder = command_line.file;
+    for (const std::string &text : command_line.overrides)
+      if (std::none_of(allowed.begin(),
+                       allowed.end(),
+                       [&text](const std::string &begin) {
+                         return text.rfind(begin, 0) == 0;
+                       }))
+        throw SceneError(
+          "--set: " + text.substr(0, text.find('=')) +
+          ": a run that is resumed goes on with the scene that it began with; "
+          "allowed are parameters of Time, Newton, Linear solver and Audit, "
+          "Title, Output/Interval, Output/Mesh and the two of checkpoints");
+    if (!std::filesystem::exists(folder + "/parameters.prm"))
+      throw SceneError("'" + folder + "' is not the output folder of a run: "
+                       "there is no parameters.prm in it");
+    command_line.file = folder + "/parameters.prm";
+    command_line.overrides.push_back("Output/Directory=" + folder);
+    return command_line;
+  }
+
+
   int
   execute(const std::vector<std::string> &arguments, const MPI_Comm comm)
   {
     using Command = CommandLine::Command;
 
-    const CommandLine command_line = parse_command_line(arguments);
+    CommandLine command_line = parse_command_line(arguments);
+    if (command_line.command == Command::resume)
+      command_line = as_resumed_scene(command_line);
     const bool is_first = dealii::Utilities::MPI::this_mpi_process(comm) == 0;
     const auto print    = [&](const std::string &text) {
       if (is_first)
@@ -79,6 +120,7 @@ namespace
           return print(parameter_reference(command_line.markdown));
         case Command::run:
         case Command::check:
+        case Command::resume:
         case Command::study: // main() has run these
         case Command::report:
           break;
@@ -113,6 +155,8 @@ namespace
                  command_line.folders.end());
     if (!command_line.output.empty())
       words.insert(words.end(), {"--output", command_line.output});
+    for (const std::string &reference : command_line.references)
+      words.insert(words.end(), {"--reference", reference});
     std::vector<char *> arguments;
     for (std::string &word : words)
       arguments.push_back(word.data());

@@ -50,18 +50,22 @@ namespace selkie
   RunOutput<dim>::RunOutput(const Scene<dim> &scene,
                             const MPI_Comm    comm,
                             Log              &log,
-                            TimerTree        &timers)
+                            TimerTree        &timers,
+                            const bool        resumed)
     : scene(scene)
     , comm(comm)
     , root(Utilities::MPI::this_mpi_process(comm) == 0)
     , log(log)
     , timers(timers)
   {
-    create_output_folder(scene.output.directory,
-                         scene.file,
-                         scene.resolved,
-                         comm);
-    log.open(scene.output.directory);
+    if (resumed)
+      continue_output_folder(scene.output.directory, scene.resolved, comm);
+    else
+      create_output_folder(scene.output.directory,
+                           scene.file,
+                           scene.resolved,
+                           comm);
+    log.open(scene.output.directory, resumed);
     log.line(banner(comm));
     log.line("Scene     " + scene.title + " (" + scene.file + ")");
     log.line("Effects   " + join(scene.effect_names()));
@@ -70,15 +74,14 @@ namespace selkie
 
   template <int dim>
   void
-  RunOutput<dim>::start(const ParticleSet<dim> &particles,
-                        const Stepper<dim>     &stepper)
+  RunOutput<dim>::open(const ParticleSet<dim> &particles,
+                       const Stepper<dim>     &stepper)
   {
     log.line("Terms     " + join(stepper.term_names()));
     log.line("Points    " +
              std::to_string(particles.handler().n_global_particles()) + ", " +
              std::to_string(particles.fields.n_components() * 8) +
              " bytes of columns each");
-    log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     fail_together<OutputError>(comm, [&] {
       statistics.open(scene.output.directory + "/statistics.csv", root);
     });
@@ -86,16 +89,47 @@ namespace selkie
     for (const auto &active : scene.effects)
       if (auto recorder = active.effect->recorder(particles))
         recordings.push_back({std::move(recorder)});
+    start_wall = last_checkpoint = timers.wall_time();
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::start(const ParticleSet<dim> &particles,
+                        const Stepper<dim>     &stepper)
+  {
+    open(particles, stepper);
+    log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     if (scene.audit)
       {
-        present            = audit(particles);
-        energies.initial   = present->energy();
-        energies.potential = present->potential;
-        initial_volume     = present->volume;
+        present                   = audit(particles);
+        so_far.energies.initial   = present->energy();
+        so_far.energies.potential = present->potential;
+        so_far.initial_volume     = present->volume;
       }
     write_fields(0., 0, nullptr, scene.time.step);
     record_effects(0., stepper, WallForces<dim>());
     start_wall = timers.wall_time();
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::resume(const ParticleSet<dim> &particles,
+                         const Stepper<dim>     &stepper,
+                         const RunState         &state)
+  {
+    so_far     = state;
+    start_time = state.time.t;
+    log.line(format("Resumed   at t = %g s, after %u steps",
+                    state.time.t,
+                    state.time.n));
+    cut_tables(scene.output.directory, state.time.t, comm);
+    open(particles, stepper);
+    verdict.restore(state.verdict);
+    vtu->restore(state.particle_files, state.mesh_files);
+    for (unsigned int i = 0; i < recordings.size(); ++i)
+      recordings[i].next = state.next_records.at(i);
+    if (scene.audit)
+      present = audit(particles);
   }
 
   template <int dim>
@@ -107,15 +141,15 @@ namespace selkie
                          const StepReport<dim>  &report)
   {
     TimerTree::Scope scope(timers, "output");
-    energies.dissipated += report.dissipated;
-    energies.external_work += report.external_work;
-    energies.of_reset += report.reset_energy;
-    energies.of_volume += report.volume_energy;
-    time_errors.error += report.time_error;
-    time_errors.path += report.moved;
-    time_errors.largest = std::max(time_errors.largest, report.time_error);
-    last_dt             = dt;
-    unknowns            = std::max(unknowns, report.unknowns);
+    so_far.energies.dissipated += report.dissipated;
+    so_far.energies.external_work += report.external_work;
+    so_far.energies.of_reset += report.reset_energy;
+    so_far.energies.of_volume += report.volume_energy;
+    so_far.error += report.time_error;
+    so_far.path += report.moved;
+    so_far.largest_error = std::max(so_far.largest_error, report.time_error);
+    last_dt         = dt;
+    so_far.unknowns = std::max(so_far.unknowns, report.unknowns);
     if (present)
       {
         present = audit(particles);
@@ -126,14 +160,14 @@ namespace selkie
     record_effects(time.now(), stepper, report.walls);
     const double slack = 1e-6 * scene.time.step;
     if (scene.output.interval > 0. &&
-        (time.now() >= next_fields - slack || time.at_end()))
+        (time.now() >= so_far.next_fields - slack || time.at_end()))
       write_fields(time.now(), time.number(), &stepper, dt);
     if (time.number() == 3)
       {
         warm_wall = timers.wall_time();
         warm_time = time.now();
       }
-    if (time.number() == 10)
+    if (time.number() == 10 && warm_time > 0.)
       show_forecast(time);
     show_progress(time, dt, report);
   }
@@ -151,7 +185,7 @@ namespace selkie
       return std::abs(now - before) / before;
     };
     verdict.look("energy gain",
-                 energies.balance(*present) / energies.in_play(*present),
+                 so_far.energies.balance(*present) / so_far.energies.in_play(*present),
                  limits.energy_gain,
                  t);
     verdict.look("mass change",
@@ -161,14 +195,14 @@ namespace selkie
                  t);
     if (!scene.has_solid() && points.removed == 0)
       verdict.look("volume change",
-                   change(present->volume, initial_volume),
+                   change(present->volume, so_far.initial_volume),
                    limits.volume,
                    t);
     verdict.look("smallest J", present->min_J, limits.smallest_J, t, true);
     if (scene.inertia && !scene.lagrangian_mesh() && present->kinetic > 0.)
       verdict.look("unseen energy",
                    (present->kinetic - report.kinetic) /
-                     energies.in_play(*present),
+                     so_far.energies.in_play(*present),
                    limits.unseen_energy,
                    t);
     if (scene.has_pressure())
@@ -237,16 +271,16 @@ namespace selkie
     if (scene.has_pressure())
       statistics.set("pressure checkerboard", report.checkerboard);
     const std::string unit = dim == 2 ? " (J/m)" : " (J)";
-    statistics.set("dissipated energy" + unit, energies.dissipated);
-    statistics.set("external work" + unit, energies.external_work);
+    statistics.set("dissipated energy" + unit, so_far.energies.dissipated);
+    statistics.set("external work" + unit, so_far.energies.external_work);
     if (scene.has_fluid())
       {
-        statistics.set("energy of J reset" + unit, energies.of_reset);
+        statistics.set("energy of J reset" + unit, so_far.energies.of_reset);
         if (scene.corrects_volume())
           statistics.set("energy of volume correction" + unit,
-                         energies.of_volume);
+                         so_far.energies.of_volume);
       }
-    statistics.set("energy balance" + unit, energies.balance(*present));
+    statistics.set("energy balance" + unit, so_far.energies.balance(*present));
   }
 
   template <int dim>
@@ -258,8 +292,8 @@ namespace selkie
   {
     if (scene.output.interval <= 0.)
       return;
-    while (next_fields <= time * (1. + 1e-12) + 1e-6 * scene.time.step)
-      next_fields += scene.output.interval;
+    while (so_far.next_fields <= time * (1. + 1e-12) + 1e-6 * scene.time.step)
+      so_far.next_fields += scene.output.interval;
     if (stepper == nullptr || !scene.output.mesh)
       {
         vtu->write(time, step, nullptr);
@@ -340,7 +374,8 @@ namespace selkie
                                 const StepReport<dim> &report)
   {
     const double spent = timers.wall_time() - start_wall;
-    const double left  = spent * (time.end() - time.now()) / time.now();
+    const double left =
+      spent * (time.end() - time.now()) / (time.now() - start_time);
     log.progress(
       format("step %5u  t %.5g s  dt %.2g s  Newton %u  linear %u  unknowns "
              "%llu  %3.0f %%  left %s",
@@ -367,7 +402,7 @@ namespace selkie
     summary.effects         = scene.effect_names();
     summary.ranks           = Utilities::MPI::n_mpi_processes(comm);
     summary.points          = particles.handler().n_global_particles();
-    summary.unknowns        = unknowns;
+    summary.unknowns        = so_far.unknowns;
     summary.nonzeros        = stepper.system().matrix().n_nonzero_elements();
     summary.bytes_per_point = 8 * particles.fields.n_components();
     summary.steps           = time.number();
@@ -377,7 +412,7 @@ namespace selkie
     if (present)
       summary.verdict = verdict;
     summary.accounting      = particles.accounting;
-    summary.wall_time       = timers.wall_time();
+    summary.wall_time       = so_far.wall + timers.wall_time();
     summary.timings         = timers.rows();
     summary.costs           = costs(stepper, comm);
     if (scene.time.estimate_error && time.number() > 0)
@@ -386,9 +421,9 @@ namespace selkie
         const auto          share = [](const double part, const double whole) {
           return whole > 0. ? part / whole : 0.;
         };
-        summary.errors = {time_errors.error,
-                          share(time_errors.error, time_errors.path),
-                          time_errors.largest,
+        summary.errors = {so_far.error,
+                          share(so_far.error, so_far.path),
+                          so_far.largest_error,
                           space.error,
                           share(space.error, space.norm)};
       }
@@ -407,10 +442,10 @@ namespace selkie
     show_errors(summary);
     if (!present)
       return;
-    const double balance = energies.balance(*present);
+    const double balance = so_far.energies.balance(*present);
     log.line(format("Energy    balance %.3g J (%.2g of the energy in play)",
                     balance,
-                    balance / energies.in_play(*present)));
+                    balance / so_far.energies.in_play(*present)));
     log.line("Audit     " + verdict.text());
   }
 
@@ -430,6 +465,60 @@ namespace selkie
   }
 
   template <int dim>
+  std::string
+  RunOutput<dim>::write_checkpoint(
+    ParticleSet<dim>                          &particles,
+    const Stepper<dim>                        &stepper,
+    parallel::distributed::Triangulation<dim> &mesh,
+    const TimeControl                         &time)
+  {
+    TimerTree::Scope scope(timers, "checkpoint");
+    RunState         state = so_far;
+    state.time             = time.state();
+    state.volume_excess    = stepper.kept_volume_excess();
+    state.verdict          = verdict.rows();
+    state.particle_files   = vtu->particle_pictures();
+    state.mesh_files       = vtu->mesh_pictures();
+    state.wall += timers.wall_time();
+    state.next_records.clear();
+    for (const auto &recording : recordings)
+      state.next_records.push_back(recording.next);
+    const auto bytes = Utilities::pack(state, false);
+    last_checkpoint  = timers.wall_time();
+    return selkie::write_checkpoint(scene.output.directory,
+                                    scene,
+                                    particles,
+                                    mesh,
+                                    stepper.system().cloud.dof_handler(),
+                                    stepper.kept_fields(),
+                                    time.now(),
+                                    time.number(),
+                                    time.step(),
+                                    {bytes.begin(), bytes.end()});
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::keep(ParticleSet<dim>                          &particles,
+                       const Stepper<dim>                        &stepper,
+                       parallel::distributed::Triangulation<dim> &mesh,
+                       const TimeControl                         &time)
+  {
+    const auto  &wishes  = scene.output;
+    const double waited  = timers.wall_time() - last_checkpoint;
+    const bool   by_time = wishes.checkpoint_minutes > 0. &&
+                         waited > 60. * wishes.checkpoint_minutes;
+    const bool by_steps = wishes.checkpoint_steps > 0 &&
+                          time.number() % wishes.checkpoint_steps == 0;
+    // The clocks of the ranks differ: the first one's counts.
+    const bool due =
+      by_steps || Utilities::MPI::broadcast(comm, by_time ? 1 : 0) == 1;
+    keeps_checkpoints = keeps_checkpoints || due || wishes.checkpoint_steps > 0;
+    if (due || (keeps_checkpoints && time.at_end()))
+      write_checkpoint(particles, stepper, mesh, time);
+  }
+
+  template <int dim>
   void
   RunOutput<dim>::fail(ParticleSet<dim>                          &particles,
                        const Stepper<dim>                        &stepper,
@@ -438,15 +527,7 @@ namespace selkie
                        const std::string                         &why)
   {
     const std::string folder =
-      write_checkpoint(scene.output.directory,
-                       scene,
-                       particles,
-                       mesh,
-                       stepper.system().cloud.dof_handler(),
-                       stepper.kept_fields(),
-                       time.now(),
-                       time.number(),
-                       time.step());
+      write_checkpoint(particles, stepper, mesh, time);
     close(particles, stepper, time, why);
     log.line(format("Failed    at t = %g s, with the smallest time step "
                     "%.3g s:",

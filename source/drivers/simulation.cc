@@ -14,17 +14,25 @@ namespace selkie
 
   namespace
   {
-    /// Mesh, points and nodes of a scene at t = 0.
+    /// Mesh, points and nodes of a scene: at t = 0, or as a checkpoint has
+    /// them.
     template <int dim>
     struct Setup
     {
-      Setup(const Scene<dim> &scene, const MPI_Comm comm)
+      Setup(const Scene<dim>  &scene,
+            const MPI_Comm     comm,
+            const std::string &checkpoint = "")
         : mesh(make_background_mesh(scene.domain, comm))
         , particles(scene, *mesh)
       {
-        particles.seed();
-        for (const auto &active : scene.effects)
-          active.effect->start(particles);
+        if (checkpoint.empty())
+          {
+            particles.seed();
+            for (const auto &active : scene.effects)
+              active.effect->start(particles);
+          }
+        else
+          state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
         if (scene.approximation == Approximation::lme_mpm)
           cloud = std::make_unique<NodeCloud<dim>>(*mesh,
                                                    scene.lme.gamma,
@@ -36,6 +44,10 @@ namespace selkie
       std::unique_ptr<parallel::distributed::Triangulation<dim>> mesh;
       ParticleSet<dim>                                           particles;
       std::unique_ptr<NodeCloud<dim>>                            cloud;
+
+      // Of a checkpoint:
+      CheckpointState       state;
+      CheckpointFields<dim> nodal_fields;
     };
 
     /// Points of a Lagrangian mesh stay in their cells: they may move any
@@ -86,14 +98,19 @@ namespace selkie
 
   template <int dim>
   int
-  run_scene(const Scene<dim> &scene, const MPI_Comm comm)
+  run_scene(const Scene<dim> &scene, const MPI_Comm comm, const bool resumed)
   {
+    FoundCheckpoint found;
+    if (resumed)
+      found = find_checkpoint(scene.output.directory);
     Log            log(comm);
     TimerTree      timers(comm);
-    RunOutput<dim> output(scene, comm, log, timers);
+    RunOutput<dim> output(scene, comm, log, timers, resumed);
+    if (!found.damage.empty())
+      log.line("          passed over a damaged checkpoint: " + found.damage);
 
     auto         setup     = timed(timers, "set-up", [&] {
-      return std::make_unique<Setup<dim>>(scene, comm);
+      return std::make_unique<Setup<dim>>(scene, comm, found.folder);
     });
     auto        &particles = setup->particles;
     Stepper<dim> stepper(
@@ -104,8 +121,26 @@ namespace selkie
                      setup->cloud->smallest_spacing(),
                      sound_speed(scene));
 
-    stepper.start(time.now(), time.step());
-    output.start(particles, stepper);
+    if (resumed)
+      {
+        const std::vector<char> bytes(setup->state.run.begin(),
+                                      setup->state.run.end());
+        const auto              state = Utilities::unpack<RunState>(bytes, false);
+        time.restore(state.time);
+        stepper.restore(setup->nodal_fields, state.volume_excess);
+        output.resume(particles, stepper, state);
+        if (time.at_end())
+          {
+            log.line("Nothing is left to do up to the end time; --set 'Time/End "
+                     "time=...' for more");
+            return 0;
+          }
+      }
+    else
+      {
+        stepper.start(time.now(), time.step());
+        output.start(particles, stepper);
+      }
     while (!time.at_end())
       {
         StepReport<dim> report;
@@ -121,6 +156,7 @@ namespace selkie
         const double dt = time.step();
         time.advance(report.largest_speed, report.time_error);
         output.record(particles, stepper, time, dt, report);
+        output.keep(particles, stepper, *setup->mesh, time);
       }
     output.finish(particles, stepper, time);
     return 0;
@@ -157,8 +193,8 @@ namespace selkie
       scene, setup.particles, stepper, report, before, timers.rows(), log);
   }
 
-#define INSTANTIATE(dim)                                       \
-  template int  run_scene(const Scene<dim> &, const MPI_Comm); \
+#define INSTANTIATE(dim)                                                   \
+  template int  run_scene(const Scene<dim> &, const MPI_Comm, const bool); \
   template void print_plan(const Scene<dim> &, const MPI_Comm)
   INSTANTIATE(2);
   INSTANTIATE(3);

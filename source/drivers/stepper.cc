@@ -372,7 +372,7 @@ namespace selkie
     report.patches       = Utilities::MPI::sum(table.patches.size(), comm);
     report.lambda_iterations =
       double(Utilities::MPI::sum(table.newton_iterations, comm)) /
-      Utilities::MPI::sum(table.points.size(), comm);
+      Utilities::MPI::sum(table.n_particles, comm);
     report.max_lambda_iterations =
       Utilities::MPI::max(table.max_newton_iterations, comm);
   }
@@ -504,7 +504,38 @@ namespace selkie
       }
     if (scene.has_pressure())
       fields["pressure"] = &stored_pressure;
+    if (release)
+      fields["released walls"] = &release->kept_walls(cloud);
     return fields;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::restore(const CheckpointFields<dim> &kept,
+                        const double                 excess)
+  {
+    volume_excess      = excess;
+    const auto restore = [&](const std::string &name, Vector &field) {
+      const Vector &values = kept.values.at(name);
+      for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+        field.local_element(node) = values(cloud.global_index(node));
+      field.update_ghost_values();
+    };
+    for (unsigned int d = 0; nodes && d < dim; ++d)
+      {
+        const std::string axis(1, "xyz"[d]);
+        restore("displacement " + axis, nodes->displacement[d]);
+        restore("velocity " + axis, nodes->velocity[d]);
+        restore("acceleration " + axis, nodes->acceleration[d]);
+      }
+    if (scene.has_pressure())
+      restore("pressure", stored_pressure);
+    if (release)
+      {
+        Vector walls(cloud.partitioner());
+        restore("released walls", walls);
+        release->restore(walls);
+      }
   }
 
   template <int dim>

@@ -179,12 +179,52 @@ namespace selkie
         fs::remove_all(folder);
     }
 
+    /// The files of a checkpoint but checkpoint.json, with their sizes.
+    JsonObject
+    sizes(const fs::path &folder)
+    {
+      JsonObject json;
+      for (const auto &entry : fs::directory_iterator(folder))
+        if (const auto name = entry.path().filename().string();
+            name != "checkpoint.json")
+          json.add(name, static_cast<unsigned long long>(entry.file_size()));
+      return json;
+    }
+
+    /// What is wrong with a checkpoint, or "".
+    std::string
+    damage(const fs::path &folder)
+    {
+      boost::property_tree::ptree json;
+      try
+        {
+          boost::property_tree::read_json((folder / "checkpoint.json").string(),
+                                          json);
+          for (const auto &[name, size] : json.get_child("files"))
+            {
+              const fs::path file = folder / name;
+              if (!fs::exists(file))
+                return "'" + file.string() + "' is missing";
+              if (fs::file_size(file) != size.get_value<unsigned long long>())
+                return "'" + file.string() + "' has " +
+                       std::to_string(fs::file_size(file)) +
+                       " bytes, written were " + size.data();
+            }
+        }
+      catch (const std::exception &error)
+        {
+          return error.what();
+        }
+      return "";
+    }
+
     template <int dim>
     JsonObject
     description(const Scene<dim>                            &scene,
                 const ParticleSet<dim>                      &particles,
                 const std::map<std::string, const Vector *> &nodal_fields,
-                const CheckpointState                       &state)
+                const CheckpointState                       &state,
+                const fs::path                              &folder)
     {
       JsonObject json;
       json.add("scene", scene.file);
@@ -196,6 +236,7 @@ namespace selkie
       json.add("columns", columns_text(particles.fields));
       json.add("nodal fields", names_text(nodal_fields));
       json.add("state", to_json(state));
+      json.add("files", sizes(folder));
       return json;
     }
 
@@ -231,13 +272,14 @@ namespace selkie
                    const std::map<std::string, const Vector *> &nodal_fields,
                    const double                                 time,
                    const unsigned int                           step,
-                   const double                                 dt)
+                   const double                                 dt,
+                   const std::string                           &run)
   {
     const MPI_Comm        comm        = particles.communicator();
     const fs::path        checkpoints = fs::path(directory) / "checkpoint";
     const std::string     name        = folder_name(step);
     const fs::path        folder      = checkpoints / name;
-    const CheckpointState state{time, step, dt, particles.accounting};
+    const CheckpointState state{time, step, dt, particles.accounting, run};
 
     on_root(comm, [&]() {
       fs::remove_all(folder);
@@ -258,7 +300,8 @@ namespace selkie
       boost::archive::text_oarchive archive(counters);
       archive << std::as_const(particles).handler();
       write_text((folder / "points").string(), counters.str());
-      description(scene, particles, nodal_fields, state)
+      write_text((folder / "run").string(), run);
+      description(scene, particles, nodal_fields, state, folder)
         .write((folder / "checkpoint.json").string());
       mark_good(checkpoints, name);
     });
@@ -266,13 +309,34 @@ namespace selkie
   }
 
 
-  std::string
-  last_good_checkpoint(const std::string &directory)
+  FoundCheckpoint
+  find_checkpoint(const std::string &directory)
   {
-    const std::string checkpoints = directory + "/checkpoint/";
-    if (!fs::exists(checkpoints + "last_good"))
-      throw SceneError("there is no checkpoint in '" + directory + "'");
-    return checkpoints + read_text(checkpoints + "last_good");
+    const fs::path checkpoints = fs::path(directory) / "checkpoint";
+    if (!fs::exists(checkpoints / "last_good"))
+      throw SceneError("there is no checkpoint in '" + directory +
+                       "'; a run writes them every 'Output/Checkpoint steps' "
+                       "or 'Output/Checkpoint minutes', and when it fails");
+    const std::string      last = read_text((checkpoints / "last_good").string());
+    std::vector<fs::path>  folders;
+    for (const auto &entry : fs::directory_iterator(checkpoints))
+      if (const auto name = entry.path().filename().string();
+          entry.is_directory() && name <= last)
+        folders.push_back(entry.path());
+    std::sort(folders.rbegin(), folders.rend());
+    FoundCheckpoint result;
+    for (const fs::path &folder : folders)
+      {
+        const std::string wrong = damage(folder);
+        if (wrong.empty())
+          {
+            result.folder = folder.string();
+            return result;
+          }
+        result.damage += (result.damage.empty() ? "" : "; ") + wrong;
+      }
+    throw SceneError("no checkpoint in '" + directory +
+                     "' can be used: " + result.damage);
   }
 
 
@@ -318,7 +382,8 @@ namespace selkie
         update_ghosts(nodal_fields);
       }
 
-    const CheckpointState state = from_json(json.get_child("state"));
+    CheckpointState state = from_json(json.get_child("state"));
+    state.run             = read_text(folder + "/run");
     particles.accounting        = state.accounting;
     if (other_ranks)
       rebalance(particles, nodal_fields);
@@ -336,7 +401,8 @@ namespace selkie
     const std::map<std::string, const Vector *> &,       \
     const double,                                        \
     const unsigned int,                                  \
-    const double);                                       \
+    const double,                                        \
+    const std::string &);                                \
   template CheckpointState read_checkpoint(              \
     const std::string &,                                 \
     ParticleSet<dim> &,                                  \

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 #include <stdexcept>
 
 namespace selkie
@@ -18,7 +19,16 @@ namespace selkie
     this->root = root;
     if (!root)
       return;
-    file.open(path);
+    std::ifstream earlier(path);
+    std::string   header;
+    if (std::getline(earlier, header))
+      {
+        std::istringstream columns(header);
+        for (std::string column; std::getline(columns, column, ',');)
+          row.emplace_back(column, "");
+        has_header = true;
+      }
+    file.open(path, std::ios::app);
     if (!file)
       throw std::runtime_error("cannot write '" + path +
                                "': " + std::strerror(errno));

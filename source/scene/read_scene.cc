@@ -279,16 +279,25 @@ namespace selkie
     declare_scene(prm, names, scene);
     apply_entries(prm, reader.entries);
     AssertThrow(prm.get_integer("Dimension") == dim, ExcInternalError());
+    if (scene.domain.mesh && !scene.domain.mesh->file.empty())
+      {
+        // Its place does not depend on where parameters.prm is read from.
+        prm.enter_subsection("Domain");
+        prm.enter_subsection("Mesh");
+        prm.set("File",
+                std::filesystem::absolute(
+                  std::filesystem::path(file).parent_path() /
+                  scene.domain.mesh->file)
+                  .string());
+        prm.leave_subsection();
+        prm.leave_subsection();
+      }
     keep_parameters(prm, reader, scene);
     make_laws(prm, reader, names, scene);
     complete(scene);
     if (scene.domain.mesh)
       {
         check_mesh_source(scene);
-        std::string &mesh_file = scene.domain.mesh->file;
-        if (!mesh_file.empty())
-          mesh_file =
-            (std::filesystem::path(file).parent_path() / mesh_file).string();
         fit_box(scene.domain);
       }
     check_scene(scene);

@@ -65,6 +65,8 @@ namespace selkie
           double            *N     = const_cast<double *>(table.N(patch, q));
           const unsigned int iterations =
             lme_evaluate(nodes, point.x, point.lambda, N, N + patch.n_padded);
+          if (!patch.matter)
+            continue; // kept from step to step: counted by chance
           table.newton_iterations += iterations;
           table.max_newton_iterations =
             std::max(table.max_newton_iterations, iterations);

@@ -104,6 +104,14 @@ namespace selkie
       }
   }
 
+  namespace
+  {
+    /// Points of the classical MPM are taken to lie at least this far (in
+    /// cells) from the faces of theirs: on a face, the hat functions of the
+    /// corners off it are zero, and such a corner may have no mass at all.
+    constexpr double face_margin = 1e-4;
+  } // namespace
+
   template <int dim>
   void
   Q4Support<dim>::fill_points(const ParticleSet<dim> &particles,
@@ -118,10 +126,15 @@ namespace selkie
       {
         append_nodes(patch, table);
         for (unsigned int q = 0; q < patch.n_points; ++q)
-          evaluate(patch,
-                   q,
-                   references[table.points[patch.first_point + q].particle],
-                   table);
+          {
+            Point<dim> &reference =
+              references[table.points[patch.first_point + q].particle];
+            if (!scene.lagrangian_mesh())
+              for (unsigned int d = 0; d < dim; ++d)
+                reference[d] =
+                  std::clamp(reference[d], face_margin, 1. - face_margin);
+            evaluate(patch, q, reference, table);
+          }
       }
   }
 

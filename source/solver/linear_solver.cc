@@ -53,27 +53,20 @@ namespace selkie
       return {parameters.kind, "the scene says so"};
     const auto n = system.n_global();
     if (!traits.mixed)
-      return n < 200
+      return n < std::min(parameters.direct_below, 200u)
                ? SolverChoice{SolverKind::direct, "fewer than 200 unknowns"}
              : traits.acoustic_cfl < 10.
                ? SolverChoice{SolverKind::cg_jacobi,
                               "symmetric, acoustic CFL below 10"}
                : SolverChoice{traits.lme ? SolverKind::cg_hats : SolverKind::cg_ml,
                               "symmetric, acoustic CFL of 10 or more"};
-    // Mixed systems need hundreds of MINRES iterations once water splashes:
-    // up to this size a factorisation is cheaper. In 3D it fills in more.
-    const unsigned int direct_below =
-      parameters.direct_below / (dim == 2 ? 1 : 4);
-    if (n < direct_below)
+    if (n < parameters.direct_below)
       return {SolverKind::direct,
-              "mixed, fewer than " + std::to_string(direct_below) +
+              "mixed, fewer than " + std::to_string(parameters.direct_below) +
                 " unknowns"};
-    if (!traits.symmetric)
-      return {SolverKind::gmres_block, "mixed, viscosity makes it unsymmetric"};
-    if (traits.has_solid && traits.acoustic_cfl >= 20.)
-      return {SolverKind::gmres_block,
-              "mixed, with a stiff solid (acoustic CFL of 20 or more)"};
-    return {SolverKind::minres_jacobi, "mixed, symmetric and soft"};
+    return {SolverKind::gmres_block,
+            "mixed, " + std::to_string(parameters.direct_below) +
+              " unknowns or more"};
   }
 
   template <int dim>
@@ -152,7 +145,8 @@ namespace selkie
                               const Vector       &rhs,
                               Vector             &x)
   {
-    if (kind == SolverKind::cg_ml || kind == SolverKind::cg_hats)
+    if (kind == SolverKind::cg_ml || kind == SolverKind::cg_hats ||
+        kind == SolverKind::gmres_block)
       return solve_with_multigrid(kind, system, traits, tolerance, rhs, x);
     if (kind != SolverKind::direct)
       return refine(kind,

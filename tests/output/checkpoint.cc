@@ -81,7 +81,7 @@ namespace
                                               0.1,
                                               5,
                                               0.01);
-    EXPECT_EQ(last_good_checkpoint(folder.path), path);
+    EXPECT_EQ(find_checkpoint(folder.path).folder, path);
 
     for (const MPI_Comm comm : {MPI_COMM_WORLD, MPI_COMM_SELF})
       {
@@ -235,13 +235,13 @@ TEST(CheckpointMPI, KeepsTheLastTwoAndTheRunGoesOn)
   const std::string checkpoints = folder.path + "/checkpoint/";
   EXPECT_FALSE(std::filesystem::exists(checkpoints + "000010"));
   EXPECT_TRUE(std::filesystem::exists(checkpoints + "000020"));
-  EXPECT_EQ(last_good_checkpoint(folder.path), checkpoints + "000030");
+  EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "000030");
 }
 
 TEST(CheckpointMPI, RefusesAnotherScene)
 {
   const TemporaryFolder folder(MPI_COMM_WORLD);
-  EXPECT_THROW(last_good_checkpoint(folder.path), SceneError);
+  EXPECT_THROW(find_checkpoint(folder.path).folder, SceneError);
 
   Matter<2>          matter(two_blocks<2>());
   const NodeCloud<2> cloud(*matter.mesh);

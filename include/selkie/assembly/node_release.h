@@ -52,6 +52,13 @@ namespace selkie
       kept = released;
     }
 
+    /// With which walls the last step ended, by cloud node, bits as numbers:
+    /// for checkpoints.
+    const Vector &
+    kept_walls(const NodeCloud<dim> &cloud);
+    void
+    restore(const Vector &walls);
+
   private:
     /// Walls (bits) that the node should be free from.
     unsigned int
@@ -68,5 +75,6 @@ namespace selkie
     unsigned int              phases      = 0; ///< that may go, bits
     unsigned int              corrections = 0; ///< in this step
     std::vector<unsigned int> released, kept;  ///< walls by cloud node, bits
+    Vector                    kept_numbers;    ///< kept, for checkpoints
   };
 } // namespace selkie

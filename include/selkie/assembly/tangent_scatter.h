@@ -45,7 +45,7 @@ namespace selkie
     set_factors(const std::vector<unsigned int> &unknowns,
                 const DensePatch<dim>           &dense);
     void
-    find_positions(const unsigned int row);
+    find_positions(const unsigned int row, const unsigned int stride);
     void
     add_node(const unsigned int               a,
              const std::vector<unsigned int> &unknowns,

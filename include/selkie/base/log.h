@@ -24,11 +24,11 @@ namespace selkie
     Log &
     operator=(const Log &) = delete;
 
-    /// From here on also to `directory`/log.txt, which starts with what was
-    /// said before. Collective.
+    /// From here on also to `directory`/log.txt, which starts (or goes on) with
+    /// what was said before. Collective.
     /// @throw SceneError, on all ranks, if the file cannot be written.
     void
-    open(const std::string &directory);
+    open(const std::string &directory, const bool go_on = false);
 
     /// Says one line (or several, separated by newlines).
     void

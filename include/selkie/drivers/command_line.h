@@ -14,6 +14,7 @@ namespace selkie
       check,      ///< read and check it, say what a run would cost
       compare,    ///< say what two finished runs differ in
       parameters, ///< print the reference of all parameters
+      resume,     ///< go on with a run from its last checkpoint
       report,     ///< make a page of a run or a study
       study,      ///< run a scene with many settings: error against time
       help,
@@ -24,6 +25,7 @@ namespace selkie
     std::vector<std::string> overrides; ///< --set and --output
     bool                     markdown = false;
     std::vector<std::string> folders; ///< of runs: compare, report
+    std::vector<std::string> references; ///< of probes: report
     std::string              output;  ///< where what is made of them goes
   };
 

@@ -2,6 +2,7 @@
 
 #include <selkie/base/log.h>
 #include <selkie/base/timer_tree.h>
+#include <selkie/drivers/run_state.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/output/audit.h>
 #include <selkie/output/recorder.h>
@@ -34,14 +35,22 @@ namespace selkie
   class RunOutput
   {
   public:
-    /// Creates the output folder. Throws SceneError when that fails.
+    /// Creates the output folder or, to resume a run, goes on with it. Throws
+    /// SceneError when that fails.
     RunOutput(const Scene<dim> &scene,
               const MPI_Comm    comm,
               Log              &log,
-              TimerTree        &timers);
+              TimerTree        &timers,
+              const bool        resumed);
 
     void
     start(const ParticleSet<dim> &particles, const Stepper<dim> &stepper);
+
+    /// Instead: from a checkpoint. What was written after it is taken back.
+    void
+    resume(const ParticleSet<dim> &particles,
+           const Stepper<dim>     &stepper,
+           const RunState         &state);
 
     /// After each step of size dt.
     void
@@ -56,6 +65,13 @@ namespace selkie
            const Stepper<dim>     &stepper,
            const TimeControl      &time);
 
+    /// Writes a checkpoint if one is due.
+    void
+    keep(ParticleSet<dim>                                  &particles,
+         const Stepper<dim>                                &stepper,
+         dealii::parallel::distributed::Triangulation<dim> &mesh,
+         const TimeControl                                 &time);
+
     /// Writes a checkpoint of the last good state and says why the run ends.
     void
     fail(ParticleSet<dim>                                  &particles,
@@ -65,6 +81,13 @@ namespace selkie
          const std::string                                 &why);
 
   private:
+    void
+    open(const ParticleSet<dim> &particles, const Stepper<dim> &stepper);
+    std::string
+    write_checkpoint(ParticleSet<dim>   &particles,
+                     const Stepper<dim> &stepper,
+                     dealii::parallel::distributed::Triangulation<dim> &mesh,
+                     const TimeControl                                 &time);
     void
     write_row(const ParticleSet<dim> &particles,
               const TimeControl      &time,
@@ -119,47 +142,14 @@ namespace selkie
     };
     std::vector<Recording> recordings;
 
-    /// Where the energy went since the start (J).
-    struct Energies
-    {
-      double initial    = 0;
-      double potential  = 0; ///< at the start
-      double dissipated = 0, external_work = 0;
-      double of_reset = 0, of_volume = 0; ///< given by the fluid's rules
-
-      double
-      balance(const Audit &now) const
-      {
-        return now.energy() + dissipated - external_work - of_volume - initial;
-      }
-
-      /// What a gain or loss is measured by: all that moves or is stored, and
-      /// what gravity or loads have given.
-      double
-      in_play(const Audit &now) const
-      {
-        const double sum =
-          std::max(now.kinetic + now.strain + now.compression,
-                   initial - potential) +
-          std::abs(now.potential - potential) + std::abs(external_work);
-        return sum > 0. ? sum : 1.;
-      }
-    };
-    /// Of the time steps, on request: sums over them (m).
-    struct TimeErrors
-    {
-      double error = 0, largest = 0, path = 0;
-    };
-
     std::optional<Audit> present; ///< of the last step, if the scene asks
+    RunState             so_far;
     Verdict              verdict;
-    double               initial_volume = 0; ///< m^dim
-    TimeErrors           time_errors;
-    double               last_dt = 0; ///< s
-    Energies             energies;
-    double               next_fields = 0; ///< s
-    unsigned long long   unknowns    = 0;
-    double               start_wall  = 0;
+    double               last_dt         = 0; ///< s
+    double               start_wall      = 0; ///< s
+    double               start_time      = 0; ///< of this part of the run (s)
+    double               last_checkpoint = 0; ///< wall time (s)
+    bool                 keeps_checkpoints = false; ///< one was due
     /// Wall and simulated time (s) when the first steps, which set things up,
     /// were over: for the forecast.
     double warm_wall = 0, warm_time = 0;

@@ -11,7 +11,7 @@ namespace selkie
   struct StepReport
   {
     NewtonResult       newton;
-    double             lambda_iterations     = 0; ///< mean over all points
+    double             lambda_iterations     = 0; ///< mean over the points
     unsigned int       max_lambda_iterations = 0;
     unsigned long long unknowns = 0, patches = 0;
     double             dissipated    = 0; ///< heat (J)

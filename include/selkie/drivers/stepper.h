@@ -6,6 +6,7 @@
 #include <selkie/drivers/residual_scales.h>
 #include <selkie/drivers/step_report.h>
 #include <selkie/mesh/node_cloud.h>
+#include <selkie/output/checkpoint.h>
 #include <selkie/particles/particle_set.h>
 #include <selkie/shape/lme_support.h>
 #include <selkie/shape/q4_support.h>
@@ -83,6 +84,17 @@ namespace selkie
     /// cloud is: it belongs in a checkpoint.
     std::map<std::string, const Vector *>
     kept_fields() const;
+
+    /// Goes on from kept_fields() and kept_volume_excess() of an earlier run.
+    void
+    restore(const CheckpointFields<dim> &fields, const double volume_excess);
+
+    /// Of the volume correction's measure, in the last good step.
+    double
+    kept_volume_excess() const
+    {
+      return volume_excess;
+    }
 
     const System<dim> &
     system() const

@@ -17,6 +17,7 @@ namespace selkie
     unsigned int       step = 0; ///< number of steps done
     double             dt   = 0; ///< of the next step (s)
     ParticleAccounting accounting;
+    std::string        run; ///< what else the run carries, as bytes
   };
 
   /**
@@ -28,6 +29,7 @@ namespace selkie
    * good before is kept, older ones are removed. Collective.
    * @param dofs of FE_Q(1): the numbering of the nodes
    * @param nodal_fields what the nodes keep from step to step, with ghosts
+   * @param run what else the run carries from step to step, as bytes
    * @return the checkpoint's folder
    * @throw OutputError, on all ranks, if it cannot be written.
    */
@@ -41,12 +43,21 @@ namespace selkie
                    const std::map<std::string, const Vector *> &nodal_fields,
                    const double                                 time,
                    const unsigned int                           step,
-                   const double                                 dt);
+                   const double                                 dt,
+                   const std::string                           &run = "");
 
-  /// The folder of the checkpoint that `directory`/checkpoint/last_good names.
-  /// @throw SceneError if there is none.
-  std::string
-  last_good_checkpoint(const std::string &directory);
+  /// A checkpoint to go on from.
+  struct FoundCheckpoint
+  {
+    std::string folder;
+    std::string damage; ///< of a later one that had to be passed over, or ""
+  };
+
+  /// The checkpoint that `directory`/checkpoint/last_good names or, if a file
+  /// of it is missing or has not its size, the one before.
+  /// @throw SceneError, with the reason, if there is none.
+  FoundCheckpoint
+  find_checkpoint(const std::string &directory);
 
   /// What the nodes kept, as read from a checkpoint.
   template <int dim>

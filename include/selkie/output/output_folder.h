@@ -20,4 +20,20 @@ namespace selkie
                        const std::string &scene_file,
                        const std::string &parameters,
                        const MPI_Comm     comm);
+
+  /// The folder of a run that is resumed: only parameters.prm is written anew.
+  /// Collective.
+  /// @throw SceneError, on all ranks, if it cannot be written.
+  void
+  continue_output_folder(const std::string &directory,
+                         const std::string &parameters,
+                         const MPI_Comm     comm);
+
+  /// Takes back the rows of statistics.csv and probes/*.csv that are later than
+  /// time @p t (s). Collective.
+  /// @throw OutputError, on all ranks, if a file cannot be written.
+  void
+  cut_tables(const std::string &directory,
+             const double       t,
+             const MPI_Comm     comm);
 } // namespace selkie

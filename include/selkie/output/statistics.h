@@ -17,7 +17,8 @@ namespace selkie
   class Statistics
   {
   public:
-    /// Starts the file, in a folder that exists. Only the root writes; on the
+    /// Starts the file, in a folder that exists; one that is there goes on, in
+    /// its columns. Only the root writes; on the
     /// other ranks all calls are harmless.
     /// @throw std::runtime_error, on the root, if it cannot be written.
     void

@@ -26,8 +26,8 @@ namespace selkie
     {
       std::string figure;
       AuditLimit  limit;
-      bool        from_below; ///< whether small values are the bad ones
-      double      worst;
+      bool        from_below = false; ///< whether small values are bad
+      double      worst      = 0;
       /// First time (s) beyond each of the two limits; NaN: never.
       std::array<double, 2> first{
         {std::numeric_limits<double>::quiet_NaN(),

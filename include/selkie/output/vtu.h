@@ -49,8 +49,30 @@ namespace selkie
           const unsigned int      step,
           const NodalOutput<dim> *mesh);
 
-  private:
+    /// Time and file of the pictures so far.
     using Record = std::vector<std::pair<double, std::string>>;
+
+    const Record &
+    particle_pictures() const
+    {
+      return particle_files;
+    }
+
+    const Record &
+    mesh_pictures() const
+    {
+      return mesh_files;
+    }
+
+    /// Goes on after these.
+    void
+    restore(const Record &particle_pictures, const Record &mesh_pictures)
+    {
+      particle_files = particle_pictures;
+      mesh_files     = mesh_pictures;
+    }
+
+  private:
 
     void
     write_particles(const double time, const unsigned int step);

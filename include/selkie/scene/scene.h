@@ -206,7 +206,7 @@ namespace selkie
     double       tolerance      = 1e-8; ///< relative, true residual
     double       loosest        = 1e-4; ///< where Newton needs no more
     unsigned int max_iterations = 2000;
-    unsigned int direct_below   = 8000; ///< unknowns of a mixed 2D system
+    unsigned int direct_below   = 400; ///< unknowns of a mixed system
   };
 
   /// What is done with a point that leaves the domain.

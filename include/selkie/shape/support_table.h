@@ -92,7 +92,7 @@ namespace selkie
     dealii::AlignedVector<double> data;
 
     unsigned int       n_particles           = 0; ///< owned material points
-    unsigned long long newton_iterations     = 0; ///< for lambda, all points
+    unsigned long long newton_iterations     = 0; ///< for lambda, material points
     unsigned int       max_newton_iterations = 0;
 
     const double *
