@@ -38,29 +38,20 @@ namespace selkie
     factors.resize(unknowns.size());
     for (unsigned int i = 0; i < unknowns.size(); ++i)
       factors[i] = system.held(unknowns[i]) ? 0. : i < dim * n ? 1. : unit;
-    u_columns.resize(n);
-    u_positions.resize(n);
-    for (unsigned int b = 0; b < n; ++b)
-      u_columns[b] = (*columns)[unknowns[b]];
-    if (dense.n_components == dim)
-      return;
-    p_columns.resize(n);
-    p_positions.resize(n);
-    for (unsigned int b = 0; b < n; ++b)
-      p_columns[b] = (*columns)[unknowns[dim * n + b]];
+    patch_columns.resize(unknowns.size());
+    patch_positions.resize(unknowns.size());
+    for (unsigned int i = 0; i < unknowns.size(); ++i)
+      patch_columns[i] = (*columns)[unknowns[i]];
   }
 
   template <int dim>
   void
-  TangentScatter<dim>::find_positions(const unsigned int row,
-                                      const unsigned int stride)
+  TangentScatter<dim>::find_positions(const unsigned int row)
   {
-    for (int k = row_start[row]; k < row_start[row + 1]; k += stride)
+    for (int k = row_start[row]; k < row_start[row + 1]; ++k)
       positions[column[k]] = k - row_start[row];
-    for (unsigned int b = 0; b < u_columns.size(); ++b)
-      u_positions[b] = positions[u_columns[b]];
-    for (unsigned int b = 0; b < p_positions.size(); ++b)
-      p_positions[b] = positions[p_columns[b]];
+    for (unsigned int i = 0; i < patch_columns.size(); ++i)
+      patch_positions[i] = positions[patch_columns[i]];
   }
 
   template <int dim>
@@ -68,11 +59,6 @@ namespace selkie
   TangentScatter<dim>::add(const std::vector<unsigned int> &unknowns,
                            const DensePatch<dim>           &dense)
   {
-    if (dense.n_components == dim)
-      {
-        p_columns.clear();
-        p_positions.clear();
-      }
     set_factors(unknowns, dense);
     for (unsigned int a = 0; a < dense.n_nodes; ++a)
       add_node(a, unknowns, dense);
@@ -96,29 +82,21 @@ namespace selkie
             add_to_other_rank(row, factor, unknowns, dense, block);
             continue;
           }
-        // The displacement rows of a node share their columns, and those of a
-        // node follow each other.
+        // The displacement rows of a node share their columns. (The columns of
+        // a node of another rank do not follow each other.)
         if (c == 0 || c == dim)
-          find_positions(row, system.n_global_pressures() == 0 ? dim : 1);
+          find_positions(row);
         double *row_values = values + row_start[row];
         if (factor == 0.) // held: the diagonal alone
           {
-            const int place = c == dim ? p_positions[a] : u_positions[a] + c;
-            row_values[place] += (c == dim ? unit * unit : 1.) *
-                                 block[c * n_padded + a];
+            row_values[patch_positions[c * n + a]] +=
+              (c == dim ? unit * unit : 1.) * block[c * n_padded + a];
             continue;
           }
-        for (unsigned int b = 0; b < n; ++b)
-          {
-            double *entry = row_values + u_positions[b];
-            for (unsigned int k = 0; k < dim; ++k)
-              entry[k] +=
-                factor * factors[k * n + b] * block[k * n_padded + b];
-          }
-        if (dense.n_components > dim)
+        for (unsigned int k = 0; k < dense.n_components; ++k)
           for (unsigned int b = 0; b < n; ++b)
-            row_values[p_positions[b]] +=
-              factor * factors[dim * n + b] * block[dim * n_padded + b];
+            row_values[patch_positions[k * n + b]] +=
+              factor * factors[k * n + b] * block[k * n_padded + b];
       }
   }
 

@@ -310,7 +310,9 @@ namespace selkie
       mesh.vectors.emplace_back("velocity", fields.velocity);
     if (scene.lagrangian_mesh())
       mesh.vectors.emplace_back("displacement", fields.displacement);
-    vtu->write(time, step, &mesh);
+    // The nodes of a static scene of solids have nothing to show.
+    const bool anything = !mesh.scalars.empty() || !mesh.vectors.empty();
+    vtu->write(time, step, anything ? &mesh : nullptr);
   }
 
   /// After ten steps, of which the last seven tell how long the others take.

@@ -70,6 +70,9 @@ namespace selkie
   Stepper<dim>::fill_supports()
   {
     TimerTree::Scope scope(timers, "supports");
+    if (particles.handler().n_global_particles() == 0)
+      throw NumericalFailure("no material point is left in the domain (see "
+                             "'Points leaving')");
     if (scene.approximation == Approximation::lme_mpm)
       {
         occupancy = find_occupancy(particles, cloud, has_full_cells());
@@ -446,7 +449,7 @@ namespace selkie
         unknowns.matrix().add(row, row, 1.);
       }
     unknowns.matrix().compress(VectorOperation::add);
-    linear_solver.solve_by(
+    linear_solver.solve_first_by(
       SolverKind::minres_jacobi,
       unknowns,
       SystemTraits(),

@@ -42,7 +42,8 @@ namespace selkie
   {
     std::ifstream      file(path);
     std::ostringstream text;
-    if (!file || !(text << file.rdbuf()))
+    // An empty file is none that cannot be read.
+    if (!file || (file.peek() != EOF && !(text << file.rdbuf())))
       throw std::runtime_error("cannot read '" + path +
                                "': " + std::strerror(errno));
     return text.str();

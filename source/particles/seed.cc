@@ -250,9 +250,11 @@ namespace selkie
                   const std::vector<double> &volumes,
                   std::vector<Seed<dim>>    &seeds)
     {
+      std::vector<double> factors; // a shape may have to sample its volume
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        factors.push_back(scene.bodies[b].shape->volume() / volumes[b]);
       for (auto &seed : seeds)
-        seed.volume *=
-          scene.bodies[seed.body].shape->volume() / volumes[seed.body];
+        seed.volume *= factors[seed.body];
     }
 
     /// Numbers the points in their order, which is a global one.

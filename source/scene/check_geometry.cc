@@ -121,6 +121,11 @@ namespace selkie
       const std::string path = "Bodies/" + body.name + "/Shape";
       if (!body.shape)
         fail(scene, path, "the body needs a shape");
+      if (body.initial_displacement && scene.lagrangian_mesh())
+        fail(scene,
+             "Bodies/" + body.name + "/Initial displacement",
+             "it moves material points, and with 'Approximation' = 'q4 fem' "
+             "the mesh would stay; allowed is a body of the displaced shape");
       if (body.initial_displacement && body.phase != 0)
         fail(scene,
              "Bodies/" + body.name + "/Initial displacement",

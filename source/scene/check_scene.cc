@@ -61,6 +61,29 @@ namespace selkie
     }
 
 
+    /// Conjugate gradients need a positive definite system.
+    template <int dim>
+    void
+    check_solver(const Scene<dim> &scene)
+    {
+      const SolverKind kind = scene.linear_solver.kind;
+      if (scene.has_pressure() &&
+          (kind == SolverKind::cg_jacobi || kind == SolverKind::cg_ml ||
+           kind == SolverKind::cg_hats))
+        fail(scene,
+             "Linear solver/Solver",
+             "the scene has pressures, which make the system indefinite; "
+             "allowed are 'automatic', 'gmres block', 'minres jacobi' and "
+             "'direct'");
+      if (kind == SolverKind::cg_hats &&
+          scene.approximation != Approximation::lme_mpm)
+        fail(scene,
+             "Linear solver/Solver",
+             "it is for 'Approximation' = 'lme mpm'; hat functions themselves "
+             "have 'cg ml'");
+    }
+
+
     template <int dim>
     bool
     is_held(const Scene<dim> &scene)
@@ -207,6 +230,7 @@ namespace selkie
     if (scene.approximation == Approximation::lme_mpm)
       check_lme(scene);
     check_time(scene);
+    check_solver(scene);
     check_static(scene);
     check_geometry(scene);
     for (const auto &active : scene.effects)

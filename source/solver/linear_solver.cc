@@ -104,6 +104,8 @@ namespace selkie
           case SolverKind::cg_hats:
             return make_hats(system);
           case SolverKind::gmres_block:
+            if (!traits.mixed)
+              return traits.lme ? make_hats(system) : make_ml(system, matrix);
             return make_block_triangular(system, traits.has_solid);
           default:
             return make_jacobi(matrix);
@@ -119,7 +121,19 @@ namespace selkie
                            const Vector       &rhs,
                            Vector             &x)
   {
-    const SolverKind kind = choose(system, traits).kind;
+    return solve_first_by(
+      choose(system, traits).kind, system, traits, tolerance, rhs, x);
+  }
+
+  template <int dim>
+  LinearSolveReport
+  LinearSolver<dim>::solve_first_by(const SolverKind    kind,
+                                    System<dim>        &system,
+                                    const SystemTraits &traits,
+                                    const double        tolerance,
+                                    const Vector       &rhs,
+                                    Vector             &x)
+  {
     if (kind == SolverKind::direct)
       return solve_by(kind, system, traits, tolerance, rhs, x);
     try

@@ -2,30 +2,47 @@
 
 #include <Epetra_CrsMatrix.h>
 
+#include <algorithm>
+
 namespace selkie
 {
   using namespace dealii;
 
   template <int dim>
-  std::vector<bool>
-  pressure_unknowns(const System<dim> &system)
+  ColumnLayout::ColumnLayout(const System<dim> &system)
+    : n_u(system.n_owned_displacements())
+    , n(system.n_owned())
   {
-    const auto       &partition = *system.partitioner();
-    std::vector<bool> result(partition.locally_owned_size() +
-                             partition.n_ghost_indices());
-    for (unsigned int node = 0; node < system.cloud.size(); ++node)
-      if (system.pressure(node) != invalid_index)
-        result[system.pressure(node)] = true;
-    return result;
+    const auto      &own     = system.partitioner()->locally_owned_range();
+    const auto      &columns = system.matrix().trilinos_matrix().ColMap();
+    std::vector<int> numbers(columns.NumMyElements());
+    columns.MyGlobalElements(numbers.data());
+    IndexSet wide(own.size());
+    std::vector<types::global_dof_index> sorted(numbers.begin(), numbers.end());
+    std::sort(sorted.begin(), sorted.end());
+    wide.add_indices(sorted.begin(), sorted.end());
+    wide.subtract_set(own);
+    partition = std::make_shared<Utilities::MPI::Partitioner>(
+      own, wide, system.partitioner()->get_mpi_communicator());
+    for (const int number : numbers)
+      entry_of.push_back(partition->global_to_local(number));
+
+    FloatVector kind = vector(); // told by the owners
+    for (unsigned int i = 0; i < n; ++i)
+      kind.local_element(i) = i < n_u ? i % dim : -1.;
+    kind.update_ghost_values();
+    component.resize(n + partition->n_ghost_indices());
+    for (unsigned int i = 0; i < component.size(); ++i)
+      component[i] = kind.local_element(i) < 0.f ?
+                       invalid_index :
+                       static_cast<unsigned int>(kind.local_element(i));
   }
 
 
   template <int n_rows, int n_columns>
-  template <int dim>
   NodeBlocks<n_rows, n_columns>::NodeBlocks(
-    const System<dim>                    &system,
+    const ColumnLayout                   &layout,
     const TrilinosWrappers::SparseMatrix &K,
-    const std::vector<bool>              &is_pressure,
     const Part                            rows,
     const Part                            columns)
   {
@@ -34,35 +51,29 @@ namespace selkie
     K.trilinos_matrix().ExtractCrsDataPointers(row_start,
                                                matrix_column,
                                                entries);
-    std::vector<unsigned int> unknown_of(K.trilinos_matrix().NumMyCols(),
-                                         invalid_index);
-    const auto               &column_of = system.matrix_columns();
-    for (unsigned int i = 0; i < column_of.size(); ++i)
-      if (column_of[i] >= 0)
-        unknown_of[column_of[i]] = i;
-
-    const unsigned int n_u = system.n_owned_displacements();
-    first_row              = rows == Part::displacements ? 0 : n_u;
+    first_row = rows == Part::displacements ? 0 : layout.n_u;
     const unsigned int end =
-      rows == Part::displacements ? n_u : system.n_owned();
-    const bool pressures = columns == Part::pressures;
+      rows == Part::displacements ? layout.n_u : layout.n;
+    // Of the entries that begin a node.
+    const unsigned int first_component =
+      columns == Part::pressures ? invalid_index : 0;
+    std::vector<int> place(layout.component.size());
     start.reserve((end - first_row) / n_rows + 1);
     start.push_back(0);
     for (unsigned int row = first_row; row < end; row += n_rows)
       {
-        // The rows of a node have the same columns, and the columns of a node
-        // follow each other.
+        // The rows of a node have the same columns.
+        for (int k = row_start[row]; k < row_start[row + 1]; ++k)
+          place[layout.entry_of[matrix_column[k]]] = k - row_start[row];
         for (int k = row_start[row]; k < row_start[row + 1]; ++k)
           {
-            const unsigned int i = unknown_of[matrix_column[k]];
-            if (is_pressure[i] != pressures)
+            const unsigned int i = layout.entry_of[matrix_column[k]];
+            if (layout.component[i] != first_component)
               continue;
             column.push_back(i);
-            const int place = k - row_start[row];
             for (int r = 0; r < n_rows; ++r)
               for (int c = 0; c < n_columns; ++c)
-                values.push_back(entries[row_start[row + r] + place + c]);
-            k += n_columns - 1;
+                values.push_back(entries[row_start[row + r] + place[i + c]]);
           }
         start.push_back(column.size());
       }
@@ -106,10 +117,8 @@ namespace selkie
       }
   }
 
-  template std::vector<bool>
-  pressure_unknowns(const System<2> &);
-  template std::vector<bool>
-  pressure_unknowns(const System<3> &);
+  template ColumnLayout::ColumnLayout(const System<2> &);
+  template ColumnLayout::ColumnLayout(const System<3> &);
 
   template class NodeBlocks<2, 2>;
   template class NodeBlocks<3, 3>;
@@ -118,21 +127,4 @@ namespace selkie
   template class NodeBlocks<1, 2>;
   template class NodeBlocks<1, 3>;
   template class NodeBlocks<1, 1>;
-
-#define INSTANTIATE(dim, n_rows, n_columns)                                \
-  template NodeBlocks<n_rows, n_columns>::NodeBlocks(                      \
-    const System<dim> &,                                                   \
-    const TrilinosWrappers::SparseMatrix &,                                \
-    const std::vector<bool> &,                                             \
-    const Part,                                                            \
-    const Part)
-  INSTANTIATE(2, 2, 2);
-  INSTANTIATE(2, 2, 1);
-  INSTANTIATE(2, 1, 2);
-  INSTANTIATE(2, 1, 1);
-  INSTANTIATE(3, 3, 3);
-  INSTANTIATE(3, 3, 1);
-  INSTANTIATE(3, 1, 3);
-  INSTANTIATE(3, 1, 1);
-#undef INSTANTIATE
 } // namespace selkie

@@ -140,15 +140,6 @@ namespace selkie
       return diagonal;
     }
 
-    template <int dim>
-    FloatVector
-    float_vector(const System<dim> &system)
-    {
-      FloatVector vector;
-      vector.reinit(system.partitioner());
-      return vector;
-    }
-
     /// The displacement block of the system's matrix, and what is near its
     /// inverse.
     template <int dim>
@@ -157,17 +148,16 @@ namespace selkie
     public:
       /// @param hats the same block of the hat functions' matrix; it has to
       ///   outlive this
-      DisplacementBlock(const System<dim>       &system,
-                        const std::vector<bool> &is_pressure,
-                        const Epetra_CrsMatrix  &hats)
-        : A(system,
+      DisplacementBlock(const System<dim>      &system,
+                        const ColumnLayout     &layout,
+                        const Epetra_CrsMatrix &hats)
+        : A(layout,
             system.matrix(),
-            is_pressure,
             Part::displacements,
             Part::displacements)
         , inverse(A,
                   diagonal_of(A, system.n_owned_displacements() / dim),
-                  float_vector(system),
+                  layout.vector(),
                   0,
                   system.n_owned_displacements(),
                   std::make_unique<const Multigrid>(hats,
@@ -186,9 +176,10 @@ namespace selkie
     public:
       explicit Hats(const System<dim> &system)
         : hats(system.hats())
-        , block(system, pressure_unknowns(system), hats->trilinos_matrix())
-        , in(float_vector(system))
-        , out(float_vector(system))
+        , layout(system)
+        , block(system, layout, hats->trilinos_matrix())
+        , in(layout.vector())
+        , out(layout.vector())
       {}
 
       void
@@ -201,6 +192,7 @@ namespace selkie
 
     private:
       const std::shared_ptr<const TrilinosWrappers::SparseMatrix> hats;
+      const ColumnLayout                                          layout;
       const DisplacementBlock<dim>                                block;
       mutable FloatVector                                         in, out;
     };
@@ -303,26 +295,13 @@ namespace selkie
     class Schur : public Subscriptor
     {
     public:
-      Schur(const System<dim>       &system,
-            const std::vector<bool> &is_pressure)
-        : first(system.n_owned_displacements())
-        , B(system,
-            system.matrix(),
-            is_pressure,
-            Part::displacements,
-            Part::pressures)
-        , BT(system,
-             system.matrix(),
-             is_pressure,
-             Part::pressures,
-             Part::displacements)
-        , minus_C(system,
-                  system.matrix(),
-                  is_pressure,
-                  Part::pressures,
-                  Part::pressures)
-        , D_inverse(float_vector(system))
-        , scratch(float_vector(system))
+      Schur(const System<dim> &system, const ColumnLayout &layout)
+        : first(layout.n_u)
+        , B(layout, system.matrix(), Part::displacements, Part::pressures)
+        , BT(layout, system.matrix(), Part::pressures, Part::displacements)
+        , minus_C(layout, system.matrix(), Part::pressures, Part::pressures)
+        , D_inverse(layout.vector())
+        , scratch(layout.vector())
       {
         Epetra_Vector diagonal(system.matrix().trilinos_matrix().RowMap());
         system.matrix().trilinos_matrix().ExtractDiagonalCopy(diagonal);
@@ -408,29 +387,28 @@ namespace selkie
       BlockTriangular(const System<dim>      &system,
                       const Epetra_CrsMatrix &hat_matrix,
                       const bool              with_solid)
-        : is_pressure(pressure_unknowns(system))
+        : layout(system)
         , hats(system, hat_matrix)
         , S_hats(form_schur_complement(hats))
-        , S(system, is_pressure)
+        , S(system, layout)
         , S_inverse(S,
                     S.diagonal(),
-                    float_vector(system),
+                    layout.vector(),
                     S.first,
                     system.n_owned(),
                     std::make_unique<const Multigrid>(*S_hats, 1))
-        , in(float_vector(system))
-        , u(float_vector(system))
-        , p(float_vector(system))
+        , in(layout.vector())
+        , u(layout.vector())
+        , p(layout.vector())
       {
         if (with_solid)
           A = std::make_unique<DisplacementBlock<dim>>(system,
-                                                       is_pressure,
+                                                       layout,
                                                        *hats.A);
         else
           {
-            const NodeBlocks<dim, dim> blocks(system,
+            const NodeBlocks<dim, dim> blocks(layout,
                                               system.matrix(),
-                                              is_pressure,
                                               Part::displacements,
                                               Part::displacements);
             A_diagonal =
@@ -459,7 +437,7 @@ namespace selkie
       }
 
     private:
-      const std::vector<bool>                                is_pressure;
+      const ColumnLayout                                     layout;
       const Blocks                                           hats;
       const std::unique_ptr<Epetra_CrsMatrix>                S_hats;
       const Schur<dim>                                       S;

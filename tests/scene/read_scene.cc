@@ -128,7 +128,8 @@ TEST(ReadScene, AbsentEffectsAreAbsent)
   EXPECT_FALSE(scene.has_effect("viscosity"));
   EXPECT_FALSE(scene.has_fluid());
   EXPECT_EQ(scene.effect_names(),
-            (std::vector<std::string>{"inertia", "elasticity", "probes"}));
+            (std::vector<std::string>{
+              "inertia", "elasticity", "wall contact", "probes", "audit"}));
   EXPECT_TRUE(scene.tractions.empty());
   EXPECT_EQ(scene.parameters.count("Gravity/Acceleration"), 0u);
   EXPECT_EQ(scene.parameters.count("Fluid pressure/Stabilisation"), 0u);

@@ -45,7 +45,7 @@ namespace selkie
     set_factors(const std::vector<unsigned int> &unknowns,
                 const DensePatch<dim>           &dense);
     void
-    find_positions(const unsigned int row, const unsigned int stride);
+    find_positions(const unsigned int row);
     void
     add_node(const unsigned int               a,
              const std::vector<unsigned int> &unknowns,
@@ -65,12 +65,12 @@ namespace selkie
     int                                    *column    = nullptr;
     double                                 *values    = nullptr;
 
-    // Of one patch: what a row or column is multiplied by (zero if held), the
-    // matrix columns of each node's displacements and pressure.
+    // Of one patch: what a row or column is multiplied by (zero if held), and
+    // the matrix columns.
     std::vector<double> factors;
-    std::vector<int>    u_columns, p_columns;
-    // Of one row: where its columns stand, and the patch's nodes among them.
-    std::vector<int> positions, u_positions, p_positions;
+    std::vector<int>    patch_columns;
+    // Of one row: where its columns stand, and the patch's among them.
+    std::vector<int> positions, patch_positions;
 
     std::vector<dealii::types::global_dof_index> global_columns;
     std::vector<double>                          row_values;

@@ -73,6 +73,15 @@ namespace selkie
           const Vector       &rhs,
           Vector             &x);
 
+    /// The same, tried with this solver first.
+    LinearSolveReport
+    solve_first_by(const SolverKind    kind,
+                   System<dim>        &system,
+                   const SystemTraits &traits,
+                   const double        tolerance,
+                   const Vector       &rhs,
+                   Vector             &x);
+
     /// The same by one solver alone: LinearSolverFailure if it does not do.
     LinearSolveReport
     solve_by(const SolverKind    kind,

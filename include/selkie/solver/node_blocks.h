@@ -20,10 +20,30 @@ namespace selkie
     pressures
   };
 
-  /// Which unknowns (local indices, ghosts included) are pressures.
-  template <int dim>
-  std::vector<bool>
-  pressure_unknowns(const System<dim> &system);
+  /**
+   * The columns of a system's matrix as entries of vectors. Ghosts are all
+   * columns that owned rows have: more than the system's own, as points of other
+   * ranks couple owned nodes with nodes that this rank never meets.
+   */
+  struct ColumnLayout
+  {
+    template <int dim>
+    explicit ColumnLayout(const System<dim> &system);
+
+    FloatVector
+    vector() const
+    {
+      FloatVector result;
+      result.reinit(partition);
+      return result;
+    }
+
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
+    std::vector<unsigned int> entry_of; ///< by Epetra's local column index
+    /// By entry: which displacement component, or invalid_index: a pressure.
+    std::vector<unsigned int> component;
+    unsigned int              n_u, n;      ///< owned displacements, unknowns
+  };
 
   /**
    * A copy of one block of a system's matrix (displacements or pressures by
@@ -35,10 +55,8 @@ namespace selkie
   class NodeBlocks : public dealii::Subscriptor
   {
   public:
-    template <int dim>
-    NodeBlocks(const System<dim>                            &system,
+    NodeBlocks(const ColumnLayout                           &layout,
                const dealii::TrilinosWrappers::SparseMatrix &K,
-               const std::vector<bool>                      &is_pressure,
                const Part                                    rows,
                const Part                                    columns);
 
@@ -50,7 +68,7 @@ namespace selkie
     void
     vmult_add(FloatVector &y, const float factor, const FloatVector &x) const;
 
-    /// Calls action(row, column, value) for each entry; local indices.
+    /// Calls action(row, column, value) for each entry; indices into vectors.
     template <typename Action>
     void
     for_each(const Action &action) const
@@ -65,7 +83,7 @@ namespace selkie
     }
 
   private:
-    unsigned int              first_row = 0; ///< local index
+    unsigned int              first_row = 0;
     std::vector<unsigned int> start, column; ///< of node pairs
     std::vector<float>        values;
   };

@@ -3,8 +3,8 @@
 
 /**
  * @file
- * The tables of a program in which only one law, inertia and the elasticity
- * that comes with solids exist. It is linked without the sources of all the
+ * The tables of a program in which only one law, inertia, the elasticity that
+ * comes with solids and the audit, which gives the digits to compare, exist. It is linked without the sources of all the
  * others: that it links proves that nothing else knows them, and what it
  * counts is what the bare scene should cost.
  */
@@ -14,7 +14,8 @@ namespace selkie
   effect_table()
   {
     static const std::vector<EffectRow> table = {inertia_effect(),
-                                                 elasticity_effect()};
+                                                 elasticity_effect(),
+                                                 audit_effect()};
     return table;
   }
 
