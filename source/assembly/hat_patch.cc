@@ -83,8 +83,8 @@ namespace selkie
     for (unsigned int q = 0; q < n; ++q)
       for (unsigned int a = 0; a < n; ++a)
         {
-          double            *N     = table.data.data() + q * (dim + 1) * width;
-          const Point<dim>  &x     = gauss.point(q);
+          double              *N = table.data.data() + q * (dim + 1) * width;
+          const Point<dim>    &x = gauss.point(q);
           const Tensor<1, dim> slope =
             GeometryInfo<dim>::d_linear_shape_function_gradient(x, a);
           N[a] = GeometryInfo<dim>::d_linear_shape_function(x, a);

@@ -12,11 +12,11 @@ namespace selkie
                              const std::vector<int>         &target_columns,
                              const double                    pressure_unit)
   {
-    matrix     = &target;
-    columns    = &target_columns;
-    unit       = pressure_unit;
-    *matrix    = 0.;
-    auto &crs  = const_cast<Epetra_CrsMatrix &>(matrix->trilinos_matrix());
+    matrix    = &target;
+    columns   = &target_columns;
+    unit      = pressure_unit;
+    *matrix   = 0.;
+    auto &crs = const_cast<Epetra_CrsMatrix &>(matrix->trilinos_matrix());
     crs.ExtractCrsDataPointers(row_start, column, values);
     if (positions.size() < static_cast<unsigned int>(crs.NumMyCols()))
       positions.resize(crs.NumMyCols());
@@ -122,9 +122,8 @@ namespace selkie
             continue;
           const double own = k == dim ? unit * unit : 1.; // of the diagonal
           global_columns.push_back(partition.local_to_global(col));
-          row_values.push_back(
-            (diagonal ? own : factor * factors[k * n + b]) *
-            block[k * dense.n_padded + b]);
+          row_values.push_back((diagonal ? own : factor * factors[k * n + b]) *
+                               block[k * dense.n_padded + b]);
         }
     matrix->add(partition.local_to_global(row),
                 global_columns.size(),

@@ -75,8 +75,10 @@ namespace selkie
         result.references.push_back(option_value(arguments, "--reference", i));
       else if (argument.rfind("-", 0) == 0)
         throw SceneError("unknown option '" + argument + "' for '" +
-                         arguments[0] + "'; allowed is --output, and --reference for "
-                         "'report'; " + usage);
+                         arguments[0] +
+                         "'; allowed is --output, and --reference for "
+                         "'report'; " +
+                         usage);
       else
         result.folders.push_back(argument);
     }

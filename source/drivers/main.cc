@@ -86,7 +86,8 @@ namespace
           "allowed are parameters of Time, Newton, Linear solver and Audit, "
           "Title, Output/Interval, Output/Mesh and the two of checkpoints");
     if (!std::filesystem::exists(folder + "/parameters.prm"))
-      throw SceneError("'" + folder + "' is not the output folder of a run: "
+      throw SceneError("'" + folder +
+                       "' is not the output folder of a run: "
                        "there is no parameters.prm in it");
     command_line.file = folder + "/parameters.prm";
     command_line.overrides.push_back("Output/Directory=" + folder);

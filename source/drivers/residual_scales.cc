@@ -102,15 +102,14 @@ namespace selkie
                     p > 0. ? norms[1] / (1e-3 * tolerance * p) : 0.);
   }
 
-#define INSTANTIATE(dim)                                           \
-  template std::array<double, 2> residual_norms(const System<dim> &, \
-                                                const Vector &);   \
-  template ResidualScales        ResidualScales::of_step(          \
-    const Scene<dim> &,                                            \
-    const System<dim> &,                                           \
-    const StepFields &,                                            \
-    const Newmark &,                                               \
-    const double)
+#define INSTANTIATE(dim)                                                      \
+  template std::array<double, 2> residual_norms(const System<dim> &,          \
+                                                const Vector &);              \
+  template ResidualScales        ResidualScales::of_step(const Scene<dim> &,  \
+                                                  const System<dim> &, \
+                                                  const StepFields &,  \
+                                                  const Newmark &,     \
+                                                  const double)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

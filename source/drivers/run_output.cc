@@ -148,8 +148,8 @@ namespace selkie
     so_far.error += report.time_error;
     so_far.path += report.moved;
     so_far.largest_error = std::max(so_far.largest_error, report.time_error);
-    last_dt         = dt;
-    so_far.unknowns = std::max(so_far.unknowns, report.unknowns);
+    last_dt              = dt;
+    so_far.unknowns      = std::max(so_far.unknowns, report.unknowns);
     if (present)
       {
         present = audit(particles);
@@ -181,11 +181,12 @@ namespace selkie
   {
     const AuditLimits &limits = *scene.audit;
     const auto        &points = particles.accounting;
-    const auto change = [](const double now, const double before) {
+    const auto         change = [](const double now, const double before) {
       return std::abs(now - before) / before;
     };
     verdict.look("energy gain",
-                 so_far.energies.balance(*present) / so_far.energies.in_play(*present),
+                 so_far.energies.balance(*present) /
+                   so_far.energies.in_play(*present),
                  limits.energy_gain,
                  t);
     verdict.look("mass change",
@@ -261,11 +262,11 @@ namespace selkie
     set_columns(*present, particles, statistics);
     if (scene.inertia)
       {
-        statistics.set(dim == 2 ? "nodes' kinetic energy (J/m)" :
-                                  "nodes' kinetic energy (J)",
+        statistics.set(dim == 2 ? "nodes' kinetic energy (J/m)"
+                                : "nodes' kinetic energy (J)",
                        report.kinetic);
-        statistics.set(dim == 2 ? "smallest node mass (kg/m)" :
-                                  "smallest node mass (kg)",
+        statistics.set(dim == 2 ? "smallest node mass (kg/m)"
+                                : "smallest node mass (kg)",
                        report.smallest_node_mass);
       }
     if (scene.has_pressure())
@@ -413,10 +414,10 @@ namespace selkie
     summary.audit           = present;
     if (present)
       summary.verdict = verdict;
-    summary.accounting      = particles.accounting;
-    summary.wall_time       = so_far.wall + timers.wall_time();
-    summary.timings         = timers.rows();
-    summary.costs           = costs(stepper, comm);
+    summary.accounting = particles.accounting;
+    summary.wall_time  = so_far.wall + timers.wall_time();
+    summary.timings    = timers.rows();
+    summary.costs      = costs(stepper, comm);
     if (scene.time.estimate_error && time.number() > 0)
       {
         const RecoveryError space = stepper.spatial_error(last_dt);
@@ -528,8 +529,7 @@ namespace selkie
                        const TimeControl                         &time,
                        const std::string                         &why)
   {
-    const std::string folder =
-      write_checkpoint(particles, stepper, mesh, time);
+    const std::string folder = write_checkpoint(particles, stepper, mesh, time);
     close(particles, stepper, time, why);
     log.line(format("Failed    at t = %g s, with the smallest time step "
                     "%.3g s:",

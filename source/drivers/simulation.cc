@@ -125,14 +125,15 @@ namespace selkie
       {
         const std::vector<char> bytes(setup->state.run.begin(),
                                       setup->state.run.end());
-        const auto              state = Utilities::unpack<RunState>(bytes, false);
+        const auto state = Utilities::unpack<RunState>(bytes, false);
         time.restore(state.time);
         stepper.restore(setup->nodal_fields, state.volume_excess);
         output.resume(particles, stepper, state);
         if (time.at_end())
           {
-            log.line("Nothing is left to do up to the end time; --set 'Time/End "
-                     "time=...' for more");
+            log.line(
+              "Nothing is left to do up to the end time; --set 'Time/End "
+              "time=...' for more");
             return 0;
           }
       }

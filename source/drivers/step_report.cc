@@ -103,10 +103,9 @@ namespace selkie
                       const Inertia     &inertia,
                       StepReport<dim>   &report)
   {
-    const double factor =
-      newmark.dt * newmark.dt *
-      (std::abs(inertia.newmark_beta - 1. / 6.) +
-       std::abs(inertia.newmark_gamma - 0.5));
+    const double factor = newmark.dt * newmark.dt *
+                          (std::abs(inertia.newmark_beta - 1. / 6.) +
+                           std::abs(inertia.newmark_gamma - 0.5));
     double sums[3] = {0., 0., 0.}; // of squared error, squared move, mass
     for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
       {
@@ -120,8 +119,8 @@ namespace selkie
         sums[2] += M / dim;
       }
     for (double &sum : sums)
-      sum = Utilities::MPI::sum(sum,
-                                system.partitioner()->get_mpi_communicator());
+      sum =
+        Utilities::MPI::sum(sum, system.partitioner()->get_mpi_communicator());
     report.time_error = std::sqrt(sums[0] / sums[2]);
     report.moved      = std::sqrt(sums[1] / sums[2]);
   }
@@ -157,27 +156,27 @@ namespace selkie
         sums[0] += alternating * alternating;
       }
     for (double &sum : sums)
-      sum = Utilities::MPI::sum(sum,
-                                system.partitioner()->get_mpi_communicator());
+      sum =
+        Utilities::MPI::sum(sum, system.partitioner()->get_mpi_communicator());
     return sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : 0.;
   }
 
-#define INSTANTIATE(dim)                                           \
-  template void   collect_reactions(const System<dim> &,           \
-                                  const Vector &,                \
-                                  const StepFields &,            \
-                                  StepReport<dim> &);            \
-  template void   collect_motion(const System<dim> &,              \
-                               const StepFields &,               \
-                               const Newmark &,                  \
-                               StepReport<dim> &);               \
-  template void   estimate_time_error(const System<dim> &,         \
-                                    const StepFields &,          \
-                                    const Newmark &,             \
-                                    const Inertia &,             \
-                                    StepReport<dim> &);          \
-  template double checkerboard(const System<dim> &,              \
-                               const SupportTable<dim> &,        \
+#define INSTANTIATE(dim)                                   \
+  template void   collect_reactions(const System<dim> &,   \
+                                    const Vector &,        \
+                                    const StepFields &,    \
+                                    StepReport<dim> &);    \
+  template void   collect_motion(const System<dim> &,      \
+                                 const StepFields &,       \
+                                 const Newmark &,          \
+                                 StepReport<dim> &);       \
+  template void   estimate_time_error(const System<dim> &, \
+                                      const StepFields &,  \
+                                      const Newmark &,     \
+                                      const Inertia &,     \
+                                      StepReport<dim> &);  \
+  template double checkerboard(const System<dim> &,        \
+                               const SupportTable<dim> &,  \
                                const StepFields &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -186,7 +186,8 @@ namespace selkie
     if (!scene.inertia)
       {
         // Loads and reactions are the forces in play.
-        assembler.assemble(table, time, fields, scales.pressure_unit, false, residual);
+        assembler.assemble(
+          table, time, fields, scales.pressure_unit, false, residual);
         scales.u = std::max(scales.u, residual.l2_norm());
         return;
       }
@@ -235,32 +236,33 @@ namespace selkie
     NewtonProblem problem;
     problem.residual = [this, &time](Vector &, Vector &residual) {
       TimerTree::Scope scope(timers, "residual");
-      assembler.assemble(table, time, fields, scales.pressure_unit, false, residual);
+      assembler.assemble(
+        table, time, fields, scales.pressure_unit, false, residual);
     };
-    problem.solve = [this, &time](Vector &,
-                                  const Vector &,
-                                  Vector      &dx,
-                                  const double tolerance) {
-      Vector             rhs(dx);
-      const SystemTraits what = traits(time.newmark);
-      if (linear_solver.wants_hats(unknowns, what))
-        unknowns.want_hats(table);
-      {
-        TimerTree::Scope scope(timers, "tangent");
-        assembler.assemble(table, time, fields, scales.pressure_unit, true, rhs);
-      }
-      TimerTree::Scope   scope(timers, "linear solve");
-      const unsigned int n_u = unknowns.n_owned_displacements();
-      for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
-        rhs.local_element(i) *= unknowns.held(i) ? 0.
-                                : i < n_u        ? -1.
-                                                 : -scales.pressure_unit;
-      const auto report =
-        linear_solver.solve(unknowns, what, tolerance, rhs, dx);
-      for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
-        dx.local_element(i) *= scales.pressure_unit;
-      return report.iterations;
-    };
+    problem.solve =
+      [this,
+       &time](Vector &, const Vector &, Vector &dx, const double tolerance) {
+        Vector             rhs(dx);
+        const SystemTraits what = traits(time.newmark);
+        if (linear_solver.wants_hats(unknowns, what))
+          unknowns.want_hats(table);
+        {
+          TimerTree::Scope scope(timers, "tangent");
+          assembler.assemble(
+            table, time, fields, scales.pressure_unit, true, rhs);
+        }
+        TimerTree::Scope   scope(timers, "linear solve");
+        const unsigned int n_u = unknowns.n_owned_displacements();
+        for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
+          rhs.local_element(i) *= unknowns.held(i) ? 0.
+                                  : i < n_u        ? -1.
+                                                   : -scales.pressure_unit;
+        const auto report =
+          linear_solver.solve(unknowns, what, tolerance, rhs, dx);
+        for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
+          dx.local_element(i) *= scales.pressure_unit;
+        return report.iterations;
+      };
     problem.error = [this](const Vector &residual) {
       return scales.error(residual_norms(unknowns, residual),
                           scene.newton.tolerance);
@@ -304,8 +306,8 @@ namespace selkie
       report.newton = solve(time, residual);
       collect(time, residual, report);
     }
-    if (scene.inertia && (scene.time.estimate_error ||
-                          scene.time.largest_error > 0.))
+    if (scene.inertia &&
+        (scene.time.estimate_error || scene.time.largest_error > 0.))
       estimate_time_error(
         unknowns, fields, time.newmark, *scene.inertia, report);
     TimerTree::Scope scope(timers, "update");
@@ -342,7 +344,8 @@ namespace selkie
         total.errors.insert(total.errors.end(),
                             result.errors.begin(),
                             result.errors.end());
-        assembler.assemble(table, time, fields, scales.pressure_unit, false, residual);
+        assembler.assemble(
+          table, time, fields, scales.pressure_unit, false, residual);
         fields.x.update_ghost_values();
         // A pull that Newton's tolerance could explain is none.
         again =
@@ -449,13 +452,12 @@ namespace selkie
         unknowns.matrix().add(row, row, 1.);
       }
     unknowns.matrix().compress(VectorOperation::add);
-    linear_solver.solve_first_by(
-      SolverKind::minres_jacobi,
-      unknowns,
-      SystemTraits(),
-      scene.linear_solver.tolerance,
-      rhs,
-      a);
+    linear_solver.solve_first_by(SolverKind::minres_jacobi,
+                                 unknowns,
+                                 SystemTraits(),
+                                 scene.linear_solver.tolerance,
+                                 rhs,
+                                 a);
   }
 
   template <int dim>
@@ -514,8 +516,7 @@ namespace selkie
 
   template <int dim>
   void
-  Stepper<dim>::restore(const CheckpointFields<dim> &kept,
-                        const double                 excess)
+  Stepper<dim>::restore(const CheckpointFields<dim> &kept, const double excess)
   {
     volume_excess      = excess;
     const auto restore = [&](const std::string &name, Vector &field) {

@@ -317,8 +317,8 @@ namespace selkie
       throw SceneError("there is no checkpoint in '" + directory +
                        "'; a run writes them every 'Output/Checkpoint steps' "
                        "or 'Output/Checkpoint minutes', and when it fails");
-    const std::string      last = read_text((checkpoints / "last_good").string());
-    std::vector<fs::path>  folders;
+    const std::string last = read_text((checkpoints / "last_good").string());
+    std::vector<fs::path> folders;
     for (const auto &entry : fs::directory_iterator(checkpoints))
       if (const auto name = entry.path().filename().string();
           entry.is_directory() && name <= last)
@@ -384,7 +384,7 @@ namespace selkie
 
     CheckpointState state = from_json(json.get_child("state"));
     state.run             = read_text(folder + "/run");
-    particles.accounting        = state.accounting;
+    particles.accounting  = state.accounting;
     if (other_ranks)
       rebalance(particles, nodal_fields);
     return state;

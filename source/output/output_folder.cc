@@ -111,8 +111,8 @@ namespace selkie
       const std::string  header = line;
       std::istringstream names(header);
       unsigned int       column = 0;
-      for (std::string name; std::getline(names, name, ',') &&
-                             name != "time (s)";)
+      for (std::string name;
+           std::getline(names, name, ',') && name != "time (s)";)
         ++column;
       kept = header + '\n';
       while (std::getline(table, line))

@@ -19,9 +19,9 @@ namespace selkie
     this->root = root;
     if (!root)
       return;
-    std::ifstream earlier(path);
-    std::string   header;
-    if (std::getline(earlier, header))
+    std::string header;
+    if (std::filesystem::is_regular_file(path) &&
+        std::getline(std::ifstream(path), header))
       {
         std::istringstream columns(header);
         for (std::string column; std::getline(columns, column, ',');)

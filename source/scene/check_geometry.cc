@@ -268,7 +268,9 @@ namespace selkie
                           domain.lower,
                           finest_cell(domain),
                           0.,
-                          [&](const Point<dim> &x) { return shape.contains(x); });
+                          [&](const Point<dim> &x) {
+                            return shape.contains(x);
+                          });
   }
 
 

@@ -124,9 +124,9 @@ namespace selkie
         result.tractions     = names("Tractions/Names");
         result.probes        = names("Probes/Names");
         result.imported_mesh = has_section({"Domain", "Mesh"});
-        const auto walls     = value_of(entries, "Dimension", "2") == "3" ?
-                                 wall_names<3>() :
-                                 wall_names<2>();
+        const auto walls     = value_of(entries, "Dimension", "2") == "3"
+                                 ? wall_names<3>()
+                                 : wall_names<2>();
         result.holding_walls =
           std::any_of(walls.begin(), walls.end(), [this](const auto &wall) {
             return value_of(entries, "Domain/Walls/" + wall, "slip") != "free";

@@ -58,7 +58,8 @@ namespace selkie
              : traits.acoustic_cfl < 10.
                ? SolverChoice{SolverKind::cg_jacobi,
                               "symmetric, acoustic CFL below 10"}
-               : SolverChoice{traits.lme ? SolverKind::cg_hats : SolverKind::cg_ml,
+               : SolverChoice{traits.lme ? SolverKind::cg_hats
+                                         : SolverKind::cg_ml,
                               "symmetric, acoustic CFL of 10 or more"};
     if (n < parameters.direct_below)
       return {SolverKind::direct,

@@ -50,7 +50,7 @@ namespace selkie
         ++result.iterations;
         result.linear_iterations +=
           problem.solve(x, residual, dx, forcing.tolerance(error, previous));
-        previous = error;
+        previous          = error;
         const double size = problem.step_size(dx);
         if (!std::isfinite(size))
           throw NewtonFailure("the linear solver returned a step that is not "

@@ -17,7 +17,7 @@ namespace selkie
     const auto      &columns = system.matrix().trilinos_matrix().ColMap();
     std::vector<int> numbers(columns.NumMyElements());
     columns.MyGlobalElements(numbers.data());
-    IndexSet wide(own.size());
+    IndexSet                             wide(own.size());
     std::vector<types::global_dof_index> sorted(numbers.begin(), numbers.end());
     std::sort(sorted.begin(), sorted.end());
     wide.add_indices(sorted.begin(), sorted.end());
@@ -33,9 +33,9 @@ namespace selkie
     kind.update_ghost_values();
     component.resize(n + partition->n_ghost_indices());
     for (unsigned int i = 0; i < component.size(); ++i)
-      component[i] = kind.local_element(i) < 0.f ?
-                       invalid_index :
-                       static_cast<unsigned int>(kind.local_element(i));
+      component[i] = kind.local_element(i) < 0.f
+                       ? invalid_index
+                       : static_cast<unsigned int>(kind.local_element(i));
   }
 
 

@@ -133,9 +133,7 @@ namespace selkie
       auto diagonal = std::make_shared<NodeDiagonal<dim, float>>(n_nodes);
       A.for_each([&](const unsigned int row,
                      const unsigned int column,
-                     const float        value) {
-        diagonal->add(row, column, value);
-      });
+                     const float value) { diagonal->add(row, column, value); });
       diagonal->invert();
       return diagonal;
     }
@@ -151,10 +149,7 @@ namespace selkie
       DisplacementBlock(const System<dim>      &system,
                         const ColumnLayout     &layout,
                         const Epetra_CrsMatrix &hats)
-        : A(layout,
-            system.matrix(),
-            Part::displacements,
-            Part::displacements)
+        : A(layout, system.matrix(), Part::displacements, Part::displacements)
         , inverse(A,
                   diagonal_of(A, system.n_owned_displacements() / dim),
                   layout.vector(),
@@ -165,7 +160,7 @@ namespace selkie
                                                     rigid_body_modes(system)))
       {}
 
-      const NodeBlocks<dim, dim> A;
+      const NodeBlocks<dim, dim>                                     A;
       const TwoLevel<NodeBlocks<dim, dim>, NodeDiagonal<dim, float>> inverse;
     };
 
@@ -330,8 +325,8 @@ namespace selkie
       std::shared_ptr<PressureDiagonal>
       diagonal() const
       {
-        auto result = std::make_shared<PressureDiagonal>(scratch, first);
-        auto &d     = result->inverse;
+        auto  result = std::make_shared<PressureDiagonal>(scratch, first);
+        auto &d      = result->inverse;
         minus_C.for_each([&](const unsigned int row,
                              const unsigned int column,
                              const float        value) {
@@ -402,9 +397,7 @@ namespace selkie
         , p(layout.vector())
       {
         if (with_solid)
-          A = std::make_unique<DisplacementBlock<dim>>(system,
-                                                       layout,
-                                                       *hats.A);
+          A = std::make_unique<DisplacementBlock<dim>>(system, layout, *hats.A);
         else
           {
             const NodeBlocks<dim, dim> blocks(layout,
@@ -437,14 +430,14 @@ namespace selkie
       }
 
     private:
-      const ColumnLayout                                     layout;
-      const Blocks                                           hats;
-      const std::unique_ptr<Epetra_CrsMatrix>                S_hats;
-      const Schur<dim>                                       S;
-      const TwoLevel<Schur<dim>, PressureDiagonal>           S_inverse;
-      std::unique_ptr<DisplacementBlock<dim>>                A;
-      std::shared_ptr<NodeDiagonal<dim, float>>              A_diagonal;
-      mutable FloatVector                                    in, u, p;
+      const ColumnLayout                           layout;
+      const Blocks                                 hats;
+      const std::unique_ptr<Epetra_CrsMatrix>      S_hats;
+      const Schur<dim>                             S;
+      const TwoLevel<Schur<dim>, PressureDiagonal> S_inverse;
+      std::unique_ptr<DisplacementBlock<dim>>      A;
+      std::shared_ptr<NodeDiagonal<dim, float>>    A_diagonal;
+      mutable FloatVector                          in, u, p;
     };
   } // namespace
 

@@ -98,7 +98,8 @@ namespace selkie
         fail(scene,
              path + "Shape",
              "no node of the mesh lies in the node set; nodes are the corners "
-             "of the cells, " + format("%g", cell_size(scene.domain)) +
+             "of the cells, " +
+               format("%g", cell_size(scene.domain)) +
                " m wide before refinement, from the domain's lower corner on");
     }
 
@@ -140,10 +141,9 @@ namespace selkie
       {
         for (const auto &set : scene.node_sets)
           {
-            const Tensor<1, dim> moved =
-              set.condition == NodeCondition::moving
-                ? set.path->value(Point<dim>(), t)
-                : Tensor<1, dim>();
+            const Tensor<1, dim> moved = set.condition == NodeCondition::moving
+                                           ? set.path->value(Point<dim>(), t)
+                                           : Tensor<1, dim>();
             std::vector<unsigned int> inside;
             for (unsigned int node = 0; node < cloud.size(); ++node)
               if (set.shape->contains(cloud.position(node) - moved))

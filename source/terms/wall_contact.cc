@@ -49,7 +49,9 @@ namespace selkie
       "Walls of the domain that hold the nodes on them. Comes with every wall "
       "that is not `free`.",
       "nothing in any loop: held nodes have smaller systems");
-    row.comes_with = [](const SceneNames &names) { return names.holding_walls; };
+    row.comes_with = [](const SceneNames &names) {
+      return names.holding_walls;
+    };
     return row;
   }
 } // namespace selkie

@@ -68,8 +68,8 @@ namespace selkie
   void
   TimeControl::limit(const double speed)
   {
-    s.dt                = parameters.step;
-    s.rule              = scene_step;
+    s.dt               = parameters.step;
+    s.rule             = scene_step;
     const auto at_most = [this](const double dt, const Rule rule) {
       if (dt < s.dt)
         {
@@ -102,11 +102,11 @@ namespace selkie
   TimeControl::rules() const
   {
     static const char *const names[n_rules] = {"Step",
-                                                            "advective CFL",
-                                                            "acoustic CFL",
-                                                            "estimated error",
-                                                            "failures",
-                                                            "end time"};
+                                               "advective CFL",
+                                               "acoustic CFL",
+                                               "estimated error",
+                                               "failures",
+                                               "end time"};
     const double all = std::accumulate(s.ruled.begin(), s.ruled.end(), 0u);
     std::string  text;
     for (unsigned int r = 0; r < n_rules; ++r)

@@ -63,7 +63,8 @@ namespace
       system->matrix().compress(dealii::VectorOperation::add);
       LinearSolver<2> solver(scene.linear_solver,
                              [this](const std::string &text) { log = text; });
-      return solver.solve(*system, SystemTraits(), scene.linear_solver.tolerance, rhs, x);
+      return solver.solve(
+        *system, SystemTraits(), scene.linear_solver.tolerance, rhs, x);
     }
 
     double

@@ -44,8 +44,9 @@ namespace
 
 TEST(Newton, ConvergesQuadratically)
 {
-  Vector     x      = start(3.);
-  const auto result = newton(cube_root(1e-12), NewtonParameters(), ForcingTerms(), x);
+  Vector     x = start(3.);
+  const auto result =
+    newton(cube_root(1e-12), NewtonParameters(), ForcingTerms(), x);
   EXPECT_NEAR(x.local_element(0), 2., 1e-13);
   const auto &e = result.errors;
   ASSERT_GE(e.size(), 4u);
@@ -62,7 +63,8 @@ TEST(Newton, NeverPassesSilently)
   Vector           x = start(3.);
   NewtonParameters parameters;
   parameters.max_iterations = 3;
-  EXPECT_THROW(newton(cube_root(1e-12), parameters, ForcingTerms(), x), NewtonFailure);
+  EXPECT_THROW(newton(cube_root(1e-12), parameters, ForcingTerms(), x),
+               NewtonFailure);
 }
 
 TEST(Newton, RefusesNumbersThatAreNotFinite)
@@ -72,5 +74,6 @@ TEST(Newton, RefusesNumbersThatAreNotFinite)
   problem.residual      = [](Vector &, Vector &r) {
     r.local_element(0) = std::nan("");
   };
-  EXPECT_THROW(newton(problem, NewtonParameters(), ForcingTerms(), x), NewtonFailure);
+  EXPECT_THROW(newton(problem, NewtonParameters(), ForcingTerms(), x),
+               NewtonFailure);
 }

@@ -210,7 +210,7 @@ namespace selkie
     dealii::types::global_dof_index n_p_global = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
-    std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix> tangent,
+    std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix>    tangent,
       hat_tangent;
     std::vector<int> columns, hat_columns;
     std::size_t      last_hash       = 0;

@@ -24,9 +24,9 @@ namespace selkie
     std::string              file;
     std::vector<std::string> overrides; ///< --set and --output
     bool                     markdown = false;
-    std::vector<std::string> folders; ///< of runs: compare, report
+    std::vector<std::string> folders;    ///< of runs: compare, report
     std::vector<std::string> references; ///< of probes: report
-    std::string              output;  ///< where what is made of them goes
+    std::string              output;     ///< where what is made of them goes
   };
 
   /// @param arguments without the program's name

@@ -145,10 +145,10 @@ namespace selkie
     std::optional<Audit> present; ///< of the last step, if the scene asks
     RunState             so_far;
     Verdict              verdict;
-    double               last_dt         = 0; ///< s
-    double               start_wall      = 0; ///< s
-    double               start_time      = 0; ///< of this part of the run (s)
-    double               last_checkpoint = 0; ///< wall time (s)
+    double               last_dt           = 0; ///< s
+    double               start_wall        = 0; ///< s
+    double               start_time        = 0; ///< of this part of the run (s)
+    double               last_checkpoint   = 0; ///< wall time (s)
     bool                 keeps_checkpoints = false; ///< one was due
     /// Wall and simulated time (s) when the first steps, which set things up,
     /// were over: for the forecast.

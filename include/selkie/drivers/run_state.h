@@ -35,10 +35,10 @@ namespace selkie
     double
     in_play(const Audit &now) const
     {
-      const double sum =
-        std::max(now.kinetic + now.strain + now.compression,
-                 initial - potential) +
-        std::abs(now.potential - potential) + std::abs(external_work);
+      const double sum = std::max(now.kinetic + now.strain + now.compression,
+                                  initial - potential) +
+                         std::abs(now.potential - potential) +
+                         std::abs(external_work);
       return sum > 0. ? sum : 1.;
     }
   };
@@ -87,8 +87,8 @@ namespace boost
     void
     serialize(Archive &ar, selkie::Energies &e, const unsigned int /*version*/)
     {
-      ar &e.initial &e.potential &e.dissipated &e.external_work &e.of_reset
-        &e.of_volume;
+      ar &e.initial &e.potential &e.dissipated &e.external_work &e.of_reset &e
+        .of_volume;
     }
 
     template <class Archive>
@@ -97,17 +97,17 @@ namespace boost
               selkie::Verdict::Row &row,
               const unsigned int /*version*/)
     {
-      ar &row.figure &row.limit[0] &row.limit[1] &row.from_below &row.worst
-        &row.first[0] &row.first[1];
+      ar &row.figure   &row.limit[0] & row.limit[1] &
+        row.from_below &row.worst &row.first[0] & row.first[1];
     }
 
     template <class Archive>
     void
     serialize(Archive &ar, selkie::RunState &s, const unsigned int /*version*/)
     {
-      ar &s.time &s.volume_excess &s.energies &s.verdict &s.initial_volume
-        &s.error &s.largest_error &s.path &s.unknowns &s.next_fields
-        &s.next_records &s.particle_files &s.mesh_files &s.wall;
+      ar &s.time &s.volume_excess &s.energies &s.verdict &s.initial_volume &s
+        .error &s.largest_error &s.path &s.unknowns &s.next_fields &s
+        .next_records &s.particle_files &s.mesh_files &s.wall;
     }
   } // namespace serialization
 } // namespace boost

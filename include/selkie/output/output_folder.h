@@ -33,7 +33,5 @@ namespace selkie
   /// time @p t (s). Collective.
   /// @throw OutputError, on all ranks, if a file cannot be written.
   void
-  cut_tables(const std::string &directory,
-             const double       t,
-             const MPI_Comm     comm);
+  cut_tables(const std::string &directory, const double t, const MPI_Comm comm);
 } // namespace selkie

@@ -34,10 +34,10 @@ namespace selkie
       double time = 0, time_relative = 0, largest_step = 0; ///< m, 1, m
       double space = 0, space_relative = 0;                 ///< m/s or m, 1
     };
-    std::optional<Errors> errors;
+    std::optional<Errors>  errors;
     std::optional<Audit>   audit; ///< at the end
     std::optional<Verdict> verdict;
-    ParticleAccounting    accounting;
+    ParticleAccounting     accounting;
 
     double                         wall_time = 0; ///< s
     std::vector<TimerTree::Row>    timings;

@@ -29,9 +29,8 @@ namespace selkie
       bool        from_below = false; ///< whether small values are bad
       double      worst      = 0;
       /// First time (s) beyond each of the two limits; NaN: never.
-      std::array<double, 2> first{
-        {std::numeric_limits<double>::quiet_NaN(),
-         std::numeric_limits<double>::quiet_NaN()}};
+      std::array<double, 2> first{{std::numeric_limits<double>::quiet_NaN(),
+                                   std::numeric_limits<double>::quiet_NaN()}};
 
       Grade
       grade() const;

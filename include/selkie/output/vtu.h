@@ -73,7 +73,6 @@ namespace selkie
     }
 
   private:
-
     void
     write_particles(const double time, const unsigned int step);
 

@@ -258,21 +258,21 @@ namespace selkie
   /// The effect `audit`: what is summed after every step, and its limits.
   struct AuditLimits
   {
-    AuditLimit energy_gain{{0.05, 0.5}};     ///< of the energy in play
-    AuditLimit mass{{1e-10, 1e-8}};          ///< relative change
-    AuditLimit volume{{0.05, 0.2}};          ///< fluids: relative change
-    AuditLimit smallest_J{{0.2, 0.05}};      ///< below which
-    AuditLimit unseen_energy{{0.2, 0.6}};    ///< share of the kinetic energy
-    AuditLimit checkerboard{{0.2, 0.6}};     ///< of the pressure
+    AuditLimit energy_gain{{0.05, 0.5}};  ///< of the energy in play
+    AuditLimit mass{{1e-10, 1e-8}};       ///< relative change
+    AuditLimit volume{{0.05, 0.2}};       ///< fluids: relative change
+    AuditLimit smallest_J{{0.2, 0.05}};   ///< below which
+    AuditLimit unseen_energy{{0.2, 0.6}}; ///< share of the kinetic energy
+    AuditLimit checkerboard{{0.2, 0.6}};  ///< of the pressure
   };
 
   struct OutputParameters
   {
-    std::string  directory;       ///< set by --output or the scene
-    double       interval = 0.02; ///< s between VTU files; 0: none
-    bool         mesh     = true; ///< mesh.pvd with nodal fields
-    unsigned int checkpoint_steps   = 0;   ///< between checkpoints; 0: none
-    double       checkpoint_minutes = 10.; ///< of wall time; 0: none
+    std::string  directory;                 ///< set by --output or the scene
+    double       interval           = 0.02; ///< s between VTU files; 0: none
+    bool         mesh               = true; ///< mesh.pvd with nodal fields
+    unsigned int checkpoint_steps   = 0;    ///< between checkpoints; 0: none
+    double       checkpoint_minutes = 10.;  ///< of wall time; 0: none
   };
 
   /// The value that a parameter has in the end, and who gave it.

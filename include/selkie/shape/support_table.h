@@ -91,8 +91,8 @@ namespace selkie
     std::vector<unsigned int>     nodes; ///< indices into the NodeCloud
     dealii::AlignedVector<double> data;
 
-    unsigned int       n_particles           = 0; ///< owned material points
-    unsigned long long newton_iterations     = 0; ///< for lambda, material points
+    unsigned int       n_particles       = 0; ///< owned material points
+    unsigned long long newton_iterations = 0; ///< for lambda, material points
     unsigned int       max_newton_iterations = 0;
 
     const double *

@@ -18,7 +18,7 @@ namespace selkie
     bool   symmetric    = true;  ///< no (relevant) viscosity
     bool   has_solid    = false;
     bool   lme          = false; ///< else hat functions themselves
-    double acoustic_cfl = 0; ///< largest c dt / h over the bodies
+    double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
   };
 
   struct LinearSolveReport

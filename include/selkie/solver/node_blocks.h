@@ -22,8 +22,8 @@ namespace selkie
 
   /**
    * The columns of a system's matrix as entries of vectors. Ghosts are all
-   * columns that owned rows have: more than the system's own, as points of other
-   * ranks couple owned nodes with nodes that this rank never meets.
+   * columns that owned rows have: more than the system's own, as points of
+   * other ranks couple owned nodes with nodes that this rank never meets.
    */
   struct ColumnLayout
   {
@@ -42,7 +42,7 @@ namespace selkie
     std::vector<unsigned int> entry_of; ///< by Epetra's local column index
     /// By entry: which displacement component, or invalid_index: a pressure.
     std::vector<unsigned int> component;
-    unsigned int              n_u, n;      ///< owned displacements, unknowns
+    unsigned int              n_u, n; ///< owned displacements, unknowns
   };
 
   /**

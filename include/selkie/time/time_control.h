@@ -34,10 +34,10 @@ namespace selkie
     struct State
     {
       double       t = 0, dt = 0; ///< s; dt of the next step
-      double       allowed = 0;   ///< after failures (s)
+      double       allowed  = 0;  ///< after failures (s)
       double       by_error = 0;  ///< by the estimate (s)
       unsigned int n = 0, n_cuts = 0, good = 0;
-      Rule         rule = scene_step; ///< of the next step
+      Rule         rule = scene_step;            ///< of the next step
       std::array<unsigned int, n_rules> ruled{}; ///< steps done, by rule
     };
 

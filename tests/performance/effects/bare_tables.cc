@@ -4,9 +4,10 @@
 /**
  * @file
  * The tables of a program in which only one law, inertia, the elasticity that
- * comes with solids and the audit, which gives the digits to compare, exist. It is linked without the sources of all the
- * others: that it links proves that nothing else knows them, and what it
- * counts is what the bare scene should cost.
+ * comes with solids and the audit, which gives the digits to compare, exist. It
+ * is linked without the sources of all the others: that it links proves that
+ * nothing else knows them, and what it counts is what the bare scene should
+ * cost.
  */
 namespace selkie
 {
