@@ -100,12 +100,7 @@ namespace selkie
     open(particles, stepper);
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     if (scene.audit)
-      {
-        present                   = audit(particles);
-        so_far.energies.initial   = present->energy();
-        so_far.energies.potential = present->potential;
-        so_far.initial_volume     = present->volume;
-      }
+      audit = std::make_unique<RunAudit<dim>>(particles);
     write_fields(0., 0, nullptr, scene.time.step);
     record_effects(0., stepper, WallForces<dim>());
     start_wall = timers.wall_time();
@@ -124,12 +119,11 @@ namespace selkie
                     state.time.n));
     cut_tables(scene.output.directory, state.time.t, comm);
     open(particles, stepper);
-    verdict.restore(state.verdict);
     vtu->restore(state.particle_files, state.mesh_files);
     for (unsigned int i = 0; i < recordings.size(); ++i)
       recordings[i].next = state.next_records.at(i);
     if (scene.audit)
-      present = audit(particles);
+      audit = std::make_unique<RunAudit<dim>>(particles, state.audit);
   }
 
   template <int dim>
@@ -141,20 +135,13 @@ namespace selkie
                          const StepReport<dim>  &report)
   {
     TimerTree::Scope scope(timers, "output");
-    so_far.energies.dissipated += report.dissipated;
-    so_far.energies.external_work += report.external_work;
-    so_far.energies.of_reset += report.reset_energy;
-    so_far.energies.of_volume += report.volume_energy;
     so_far.error += report.time_error;
     so_far.path += report.moved;
     so_far.largest_error = std::max(so_far.largest_error, report.time_error);
     last_dt              = dt;
     so_far.unknowns      = std::max(so_far.unknowns, report.unknowns);
-    if (present)
-      {
-        present = audit(particles);
-        judge(particles, time.now(), report);
-      }
+    if (audit)
+      audit->record(time.now(), report);
     write_row(particles, time, dt, report);
 
     record_effects(time.now(), stepper, report.walls);
@@ -170,44 +157,6 @@ namespace selkie
     if (time.number() == 10 && warm_time > 0.)
       show_forecast(time);
     show_progress(time, dt, report);
-  }
-
-  /// Holds the figures of the step against the scene's limits.
-  template <int dim>
-  void
-  RunOutput<dim>::judge(const ParticleSet<dim> &particles,
-                        const double            t,
-                        const StepReport<dim>  &report)
-  {
-    const AuditLimits &limits = *scene.audit;
-    const auto        &points = particles.accounting;
-    const auto         change = [](const double now, const double before) {
-      return std::abs(now - before) / before;
-    };
-    verdict.look("energy gain",
-                 so_far.energies.balance(*present) /
-                   so_far.energies.in_play(*present),
-                 limits.energy_gain,
-                 t);
-    verdict.look("mass change",
-                 change(present->mass + points.removed_mass,
-                        points.seeded_mass),
-                 limits.mass,
-                 t);
-    if (!scene.has_solid() && points.removed == 0)
-      verdict.look("volume change",
-                   change(present->volume, so_far.initial_volume),
-                   limits.volume,
-                   t);
-    verdict.look("smallest J", present->min_J, limits.smallest_J, t, true);
-    if (scene.inertia && !scene.lagrangian_mesh() && present->kinetic > 0.)
-      verdict.look("unseen energy",
-                   (present->kinetic - report.kinetic) /
-                     so_far.energies.in_play(*present),
-                   limits.unseen_energy,
-                   t);
-    if (scene.has_pressure())
-      verdict.look("checkerboard", report.checkerboard, limits.checkerboard, t);
   }
 
   template <int dim>
@@ -245,43 +194,13 @@ namespace selkie
     statistics.set("mean lambda iterations", report.lambda_iterations);
     statistics.set("max lambda iterations", report.max_lambda_iterations);
     statistics.set("step cuts", time.cuts());
-    if (present)
-      set_energies(particles, report);
+    if (audit)
+      audit->set_columns(report, statistics);
     if (scene.corrects_volume())
       statistics.set("crowding", report.crowding);
     statistics.set("points removed", particles.accounting.removed);
     statistics.set("points kept at walls", particles.accounting.kept_at_wall);
     fail_together<OutputError>(comm, [&] { statistics.end_row(); });
-  }
-
-  template <int dim>
-  void
-  RunOutput<dim>::set_energies(const ParticleSet<dim> &particles,
-                               const StepReport<dim>  &report)
-  {
-    set_columns(*present, particles, statistics);
-    if (scene.inertia)
-      {
-        statistics.set(dim == 2 ? "nodes' kinetic energy (J/m)"
-                                : "nodes' kinetic energy (J)",
-                       report.kinetic);
-        statistics.set(dim == 2 ? "smallest node mass (kg/m)"
-                                : "smallest node mass (kg)",
-                       report.smallest_node_mass);
-      }
-    if (scene.has_pressure())
-      statistics.set("pressure checkerboard", report.checkerboard);
-    const std::string unit = dim == 2 ? " (J/m)" : " (J)";
-    statistics.set("dissipated energy" + unit, so_far.energies.dissipated);
-    statistics.set("external work" + unit, so_far.energies.external_work);
-    if (scene.has_fluid())
-      {
-        statistics.set("energy of J reset" + unit, so_far.energies.of_reset);
-        if (scene.corrects_volume())
-          statistics.set("energy of volume correction" + unit,
-                         so_far.energies.of_volume);
-      }
-    statistics.set("energy balance" + unit, so_far.energies.balance(*present));
   }
 
   template <int dim>
@@ -411,9 +330,11 @@ namespace selkie
     summary.steps           = time.number();
     summary.end_time        = time.now();
     summary.failure         = failure;
-    summary.audit           = present;
-    if (present)
-      summary.verdict = verdict;
+    if (audit)
+      {
+        summary.audit   = audit->figures();
+        summary.verdict = audit->verdict();
+      }
     summary.accounting = particles.accounting;
     summary.wall_time  = so_far.wall + timers.wall_time();
     summary.timings    = timers.rows();
@@ -443,13 +364,9 @@ namespace selkie
     timers.print(log);
     show_costs(summary);
     show_errors(summary);
-    if (!present)
-      return;
-    const double balance = so_far.energies.balance(*present);
-    log.line(format("Energy    balance %.3g J (%.2g of the energy in play)",
-                    balance,
-                    balance / so_far.energies.in_play(*present)));
-    log.line("Audit     " + verdict.text());
+    if (audit)
+      for (const std::string &line : audit->text())
+        log.line(line);
   }
 
   template <int dim>
@@ -479,9 +396,10 @@ namespace selkie
     RunState         state = so_far;
     state.time             = time.state();
     state.volume_excess    = stepper.kept_volume_excess();
-    state.verdict          = verdict.rows();
-    state.particle_files   = vtu->particle_pictures();
-    state.mesh_files       = vtu->mesh_pictures();
+    if (audit)
+      state.audit = audit->state();
+    state.particle_files = vtu->particle_pictures();
+    state.mesh_files     = vtu->mesh_pictures();
     state.wall += timers.wall_time();
     state.next_records.clear();
     for (const auto &recording : recordings)
@@ -507,15 +425,14 @@ namespace selkie
                        parallel::distributed::Triangulation<dim> &mesh,
                        const TimeControl                         &time)
   {
-    const auto  &wishes  = scene.output;
-    const double waited  = timers.wall_time() - last_checkpoint;
-    const bool   by_time = wishes.checkpoint_minutes > 0. &&
-                         waited > 60. * wishes.checkpoint_minutes;
-    const bool by_steps = wishes.checkpoint_steps > 0 &&
-                          time.number() % wishes.checkpoint_steps == 0;
+    const auto  &wishes = scene.output;
+    const double waited = timers.wall_time() - last_checkpoint;
+    bool         due    = wishes.checkpoint_steps > 0 &&
+               time.number() % wishes.checkpoint_steps == 0;
     // The clocks of the ranks differ: the first one's counts.
-    const bool due =
-      by_steps || Utilities::MPI::broadcast(comm, by_time ? 1 : 0) == 1;
+    if (!due && wishes.checkpoint_minutes > 0.)
+      due = Utilities::MPI::broadcast(comm,
+                                      waited > 60. * wishes.checkpoint_minutes);
     keeps_checkpoints = keeps_checkpoints || due || wishes.checkpoint_steps > 0;
     if (due || (keeps_checkpoints && time.at_end()))
       write_checkpoint(particles, stepper, mesh, time);

@@ -66,6 +66,39 @@ namespace selkie
   }
 
 
+  namespace
+  {
+    template <int dim>
+    double
+    squared_speed(const System<dim> &system,
+                  const StepFields  &fields,
+                  const Newmark     &newmark,
+                  const unsigned int node)
+    {
+      double v2 = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        v2 +=
+          std::pow(fields.velocity(newmark, system.displacement(node) + d), 2);
+      return v2;
+    }
+  } // namespace
+
+
+  template <int dim>
+  double
+  largest_speed(const System<dim> &system,
+                const StepFields  &fields,
+                const Newmark     &newmark)
+  {
+    double largest = 0.;
+    for (const unsigned int node : system.owned_nodes())
+      largest = std::max(largest, squared_speed(system, fields, newmark, node));
+    return std::sqrt(
+      Utilities::MPI::max(largest,
+                          system.partitioner()->get_mpi_communicator()));
+  }
+
+
   template <int dim>
   void
   collect_motion(const System<dim> &system,
@@ -73,23 +106,15 @@ namespace selkie
                  const Newmark     &newmark,
                  StepReport<dim>   &report)
   {
-    const MPI_Comm comm  = system.partitioner()->get_mpi_communicator();
-    double         speed = 0., kinetic = 0.;
-    double         mass = std::numeric_limits<double>::infinity();
+    const MPI_Comm comm    = system.partitioner()->get_mpi_communicator();
+    double         kinetic = 0.;
+    double         mass    = std::numeric_limits<double>::infinity();
     for (const unsigned int node : system.owned_nodes())
       {
-        const unsigned int u  = system.displacement(node);
-        double             v2 = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          v2 += std::pow(fields.velocity(newmark, u + d), 2);
-        speed = std::max(speed, std::sqrt(v2));
-        if (fields.mass.size() == 0)
-          continue;
-        const double M = fields.mass.local_element(u);
-        kinetic += 0.5 * M * v2;
+        const double M = fields.mass.local_element(system.displacement(node));
+        kinetic += 0.5 * M * squared_speed(system, fields, newmark, node);
         mass = std::min(mass, M);
       }
-    report.largest_speed      = Utilities::MPI::max(speed, comm);
     report.kinetic            = Utilities::MPI::sum(kinetic, comm);
     report.smallest_node_mass = Utilities::MPI::min(mass, comm);
   }
@@ -166,6 +191,9 @@ namespace selkie
                                     const Vector &,        \
                                     const StepFields &,    \
                                     StepReport<dim> &);    \
+  template double largest_speed(const System<dim> &,       \
+                                const StepFields &,        \
+                                const Newmark &);          \
   template void   collect_motion(const System<dim> &,      \
                                  const StepFields &,       \
                                  const Newmark &,          \

@@ -258,7 +258,7 @@ namespace selkie
                                   : i < n_u        ? -1.
                                                    : -scales.pressure_unit;
         const auto report =
-          linear_solver.solve(unknowns, what, tolerance, rhs, dx);
+          linear_solver.solve({unknowns, what, rhs, tolerance}, dx);
         for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
           dx.local_element(i) *= scales.pressure_unit;
         return report.iterations;
@@ -369,7 +369,9 @@ namespace selkie
     report.dissipated     = powers.dissipation * time.newmark.dt;
     report.external_work  = powers.external_work;
     collect_reactions(unknowns, residual, fields, report);
-    collect_motion(unknowns, fields, time.newmark, report);
+    report.largest_speed = largest_speed(unknowns, fields, time.newmark);
+    if (scene.audit && scene.inertia)
+      collect_motion(unknowns, fields, time.newmark, report);
     if (scene.audit && scene.has_pressure())
       report.checkerboard = checkerboard(unknowns, table, fields);
     report.crowding      = volume.excess;
@@ -452,12 +454,11 @@ namespace selkie
         unknowns.matrix().add(row, row, 1.);
       }
     unknowns.matrix().compress(VectorOperation::add);
-    linear_solver.solve_first_by(SolverKind::minres_jacobi,
-                                 unknowns,
-                                 SystemTraits(),
-                                 scene.linear_solver.tolerance,
-                                 rhs,
-                                 a);
+    const SystemTraits of_mass;
+    linear_solver.solve_first_by(
+      SolverKind::minres_jacobi,
+      {unknowns, of_mass, rhs, scene.linear_solver.tolerance},
+      a);
   }
 
   template <int dim>

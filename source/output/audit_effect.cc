@@ -55,8 +55,8 @@ namespace selkie
         add_limit(prm,
                   "Unseen energy",
                   limits.unseen_energy,
-                  "Share of the points' kinetic energy that the nodes do not "
-                  "have: noise below the mesh.");
+                  "Kinetic energy of the points that the nodes do not have, "
+                  "noise below the mesh, of the energy in play.");
         add_limit(prm,
                   "Checkerboard",
                   limits.checkerboard,

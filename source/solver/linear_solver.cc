@@ -116,74 +116,68 @@ namespace selkie
 
   template <int dim>
   LinearSolveReport
-  LinearSolver<dim>::solve(System<dim>        &system,
-                           const SystemTraits &traits,
-                           const double        tolerance,
-                           const Vector       &rhs,
-                           Vector             &x)
+  LinearSolver<dim>::solve(const LinearProblem<dim> &problem, Vector &x)
   {
-    return solve_first_by(
-      choose(system, traits).kind, system, traits, tolerance, rhs, x);
+    return solve_first_by(choose(problem.system, problem.traits).kind,
+                          problem,
+                          x);
   }
 
   template <int dim>
   LinearSolveReport
-  LinearSolver<dim>::solve_first_by(const SolverKind    kind,
-                                    System<dim>        &system,
-                                    const SystemTraits &traits,
-                                    const double        tolerance,
-                                    const Vector       &rhs,
-                                    Vector             &x)
+  LinearSolver<dim>::solve_first_by(const SolverKind          kind,
+                                    const LinearProblem<dim> &problem,
+                                    Vector                   &x)
   {
     if (kind == SolverKind::direct)
-      return solve_by(kind, system, traits, tolerance, rhs, x);
+      return solve_by(kind, problem, x);
     try
       {
-        return solve_by(kind, system, traits, tolerance, rhs, x);
+        return solve_by(kind, problem, x);
       }
     catch (const LinearSolverFailure &failure)
       {
         log(failure.what() + std::string("; the direct solver takes over"));
       }
-    auto report =
-      solve_by(SolverKind::direct, system, traits, tolerance, rhs, x);
+    auto report      = solve_by(SolverKind::direct, problem, x);
     report.fell_back = true;
     return report;
   }
 
   template <int dim>
   LinearSolveReport
-  LinearSolver<dim>::solve_by(const SolverKind    kind,
-                              System<dim>        &system,
-                              const SystemTraits &traits,
-                              const double        tolerance,
-                              const Vector       &rhs,
-                              Vector             &x)
+  LinearSolver<dim>::solve_by(const SolverKind          kind,
+                              const LinearProblem<dim> &problem,
+                              Vector                   &x)
   {
-    if (kind == SolverKind::cg_ml || kind == SolverKind::cg_hats ||
-        kind == SolverKind::gmres_block)
-      return solve_with_multigrid(kind, system, traits, tolerance, rhs, x);
-    if (kind != SolverKind::direct)
-      return refine(kind,
-                    krylov(kind,
-                           *make_preconditioner(kind, system, traits),
-                           parameters.max_iterations,
-                           system),
-                    system,
-                    tolerance,
-                    rhs,
-                    x);
-    direct.factorise(system.shared_matrix(), traits.symmetric && !traits.mixed);
-    return refine(
-      kind,
-      [this](Vector &correction, const Vector &residual, const double) {
-        direct.vmult(correction, residual);
-        return 0u;
-      },
-      system,
-      tolerance,
-      rhs,
-      x);
+    const System<dim>  &system = problem.system;
+    const SystemTraits &traits = problem.traits;
+    switch (kind)
+      {
+        case SolverKind::cg_ml:
+        case SolverKind::cg_hats:
+        case SolverKind::gmres_block:
+          return solve_with_multigrid(kind, problem, x);
+        case SolverKind::direct:
+          direct.factorise(system.shared_matrix(),
+                           traits.symmetric && !traits.mixed);
+          return refine(
+            kind,
+            [this](Vector &correction, const Vector &residual, const double) {
+              direct.vmult(correction, residual);
+              return 0u;
+            },
+            problem,
+            x);
+        default:
+          return refine(kind,
+                        krylov(kind,
+                               *make_preconditioner(kind, system, traits),
+                               parameters.max_iterations,
+                               system),
+                        problem,
+                        x);
+      }
   }
 
   /// Setting multigrid up costs as much as some iterations: that of an earlier
@@ -191,21 +185,17 @@ namespace selkie
   /// at first. (Iterations are counted by digit: tolerances differ.)
   template <int dim>
   LinearSolveReport
-  LinearSolver<dim>::solve_with_multigrid(const SolverKind    kind,
-                                          System<dim>        &system,
-                                          const SystemTraits &traits,
-                                          const double        tolerance,
-                                          const Vector       &rhs,
-                                          Vector             &x)
+  LinearSolver<dim>::solve_with_multigrid(const SolverKind          kind,
+                                          const LinearProblem<dim> &problem,
+                                          Vector                   &x)
   {
-    const double digits = std::max(1., -std::log10(tolerance));
-    const auto   run    = [&](const unsigned int max_iterations) {
+    const System<dim> &system = problem.system;
+    const double       digits = std::max(1., -std::log10(problem.tolerance));
+    const auto         run    = [&](const unsigned int max_iterations) {
       const auto report =
         refine(kind,
                krylov(kind, *multigrid.preconditioner, max_iterations, system),
-               system,
-               tolerance,
-               rhs,
+               problem,
                x);
       multigrid.last = report.iterations / digits;
       return report;
@@ -219,10 +209,11 @@ namespace selkie
         }
       catch (const LinearSolverFailure &)
         {} // a new one may do better
-    multigrid.preconditioner = make_preconditioner(kind, system, traits);
-    multigrid.matrix         = system.shared_matrix();
-    const auto report        = run(parameters.max_iterations);
-    multigrid.first          = multigrid.last;
+    multigrid.preconditioner =
+      make_preconditioner(kind, system, problem.traits);
+    multigrid.matrix  = system.shared_matrix();
+    const auto report = run(parameters.max_iterations);
+    multigrid.first   = multigrid.last;
     return report;
   }
 
@@ -231,13 +222,13 @@ namespace selkie
   /// norm, and factors are exact up to the growth of round-off.
   template <int dim>
   LinearSolveReport
-  LinearSolver<dim>::refine(const SolverKind   kind,
-                            const Correction  &correct,
-                            const System<dim> &system,
-                            const double       tolerance,
-                            const Vector      &rhs,
-                            Vector            &x) const
+  LinearSolver<dim>::refine(const SolverKind          kind,
+                            const Correction         &correct,
+                            const LinearProblem<dim> &problem,
+                            Vector                   &x) const
   {
+    const Vector          &rhs             = problem.rhs;
+    const double           tolerance       = problem.tolerance;
     constexpr unsigned int max_corrections = 4;
     LinearSolveReport      report;
     report.solver     = to_string(kind);
@@ -253,7 +244,7 @@ namespace selkie
         report.iterations +=
           correct(correction, residual, tolerance / report.residual);
         x += correction;
-        system.matrix().vmult(residual, x);
+        problem.system.matrix().vmult(residual, x);
         residual.sadd(-1., 1., rhs);
         report.residual = residual.l2_norm() / size;
         if (!std::isfinite(report.residual))

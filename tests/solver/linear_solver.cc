@@ -61,10 +61,11 @@ namespace
     solve()
     {
       system->matrix().compress(dealii::VectorOperation::add);
-      LinearSolver<2> solver(scene.linear_solver,
+      LinearSolver<2>    solver(scene.linear_solver,
                              [this](const std::string &text) { log = text; });
-      return solver.solve(
-        *system, SystemTraits(), scene.linear_solver.tolerance, rhs, x);
+      const SystemTraits traits;
+      return solver.solve({*system, traits, rhs, scene.linear_solver.tolerance},
+                          x);
     }
 
     double

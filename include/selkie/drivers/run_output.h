@@ -2,18 +2,16 @@
 
 #include <selkie/base/log.h>
 #include <selkie/base/timer_tree.h>
+#include <selkie/drivers/run_audit.h>
 #include <selkie/drivers/run_state.h>
 #include <selkie/drivers/stepper.h>
-#include <selkie/output/audit.h>
 #include <selkie/output/recorder.h>
 #include <selkie/output/statistics.h>
 #include <selkie/output/summary.h>
-#include <selkie/output/verdict.h>
 #include <selkie/output/vtu.h>
 #include <selkie/time/time_control.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace selkie
@@ -29,7 +27,8 @@ namespace selkie
 
   /**
    * Everything that a run writes: folder, log, statistics, probes, VTU,
-   * timings, summary. It reads the simulation and changes nothing in it.
+   * checkpoints, timings, summary. It reads the simulation and changes nothing
+   * in it.
    */
   template <int dim>
   class RunOutput
@@ -94,13 +93,6 @@ namespace selkie
               const double            dt,
               const StepReport<dim>  &report);
     void
-    set_energies(const ParticleSet<dim> &particles,
-                 const StepReport<dim>  &report);
-    void
-    judge(const ParticleSet<dim> &particles,
-          const double            t,
-          const StepReport<dim>  &report);
-    void
     write_fields(const double        time,
                  const unsigned int  step,
                  const Stepper<dim> *stepper,
@@ -142,14 +134,13 @@ namespace selkie
     };
     std::vector<Recording> recordings;
 
-    std::optional<Audit> present; ///< of the last step, if the scene asks
-    RunState             so_far;
-    Verdict              verdict;
-    double               last_dt           = 0; ///< s
-    double               start_wall        = 0; ///< s
-    double               start_time        = 0; ///< of this part of the run (s)
-    double               last_checkpoint   = 0; ///< wall time (s)
-    bool                 keeps_checkpoints = false; ///< one was due
+    std::unique_ptr<RunAudit<dim>> audit; ///< if the scene has it
+    RunState                       so_far;
+    double                         last_dt           = 0; ///< s
+    double                         start_wall        = 0; ///< s
+    double                         start_time        = 0; ///< of this part (s)
+    double                         last_checkpoint   = 0; ///< wall time (s)
+    bool                           keeps_checkpoints = false; ///< one was due
     /// Wall and simulated time (s) when the first steps, which set things up,
     /// were over: for the forecast.
     double warm_wall = 0, warm_time = 0;

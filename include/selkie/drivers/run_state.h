@@ -1,7 +1,6 @@
 #pragma once
 
-#include <selkie/output/audit.h>
-#include <selkie/output/verdict.h>
+#include <selkie/drivers/run_audit.h>
 #include <selkie/time/time_control.h>
 
 #include <boost/serialization/array.hpp>
@@ -9,40 +8,12 @@
 #include <boost/serialization/utility.hpp>
 #include <boost/serialization/vector.hpp>
 
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace selkie
 {
-  /// Where the energy went since the start (J).
-  struct Energies
-  {
-    double initial    = 0;
-    double potential  = 0; ///< at the start
-    double dissipated = 0, external_work = 0;
-    double of_reset = 0, of_volume = 0; ///< given by the fluid's rules
-
-    double
-    balance(const Audit &now) const
-    {
-      return now.energy() + dissipated - external_work - of_volume - initial;
-    }
-
-    /// What a gain or loss is measured by: all that moves or is stored, and
-    /// what gravity or loads have given.
-    double
-    in_play(const Audit &now) const
-    {
-      const double sum = std::max(now.kinetic + now.strain + now.compression,
-                                  initial - potential) +
-                         std::abs(now.potential - potential) +
-                         std::abs(external_work);
-      return sum > 0. ? sum : 1.;
-    }
-  };
-
   /// What a run carries from step to step besides points and nodes: with these
   /// in a checkpoint it goes on as if nothing had been.
   struct RunState
@@ -50,9 +21,7 @@ namespace selkie
     TimeControl::State time;
     double             volume_excess = 0; ///< of the stepper
 
-    Energies                  energies;
-    std::vector<Verdict::Row> verdict;
-    double                    initial_volume = 0; ///< m^dim
+    AuditState audit; ///< with the effect `audit`
 
     /// Of the time steps, on request: sums over them (m).
     double error = 0, largest_error = 0, path = 0;
@@ -78,7 +47,14 @@ namespace boost
               selkie::TimeControl::State &s,
               const unsigned int /*version*/)
     {
-      ar &s.t &s.dt &s.allowed &s.by_error &s.n &s.n_cuts &s.good &s.rule;
+      ar &s.t;
+      ar &s.dt;
+      ar &s.allowed;
+      ar &s.by_error;
+      ar &s.n;
+      ar &s.n_cuts;
+      ar &s.good;
+      ar &s.rule;
       for (auto &count : s.ruled)
         ar &count;
     }
@@ -87,8 +63,12 @@ namespace boost
     void
     serialize(Archive &ar, selkie::Energies &e, const unsigned int /*version*/)
     {
-      ar &e.initial &e.potential &e.dissipated &e.external_work &e.of_reset &e
-        .of_volume;
+      ar &e.initial;
+      ar &e.potential;
+      ar &e.dissipated;
+      ar &e.external_work;
+      ar &e.of_reset;
+      ar &e.of_volume;
     }
 
     template <class Archive>
@@ -97,17 +77,42 @@ namespace boost
               selkie::Verdict::Row &row,
               const unsigned int /*version*/)
     {
-      ar &row.figure   &row.limit[0] & row.limit[1] &
-        row.from_below &row.worst &row.first[0] & row.first[1];
+      ar &row.figure;
+      ar &row.limit[0];
+      ar &row.limit[1];
+      ar &row.from_below;
+      ar &row.worst;
+      ar &row.first[0];
+      ar &row.first[1];
+    }
+
+    template <class Archive>
+    void
+    serialize(Archive            &ar,
+              selkie::AuditState &s,
+              const unsigned int /*version*/)
+    {
+      ar &s.energies;
+      ar &s.verdict;
+      ar &s.initial_volume;
     }
 
     template <class Archive>
     void
     serialize(Archive &ar, selkie::RunState &s, const unsigned int /*version*/)
     {
-      ar &s.time &s.volume_excess &s.energies &s.verdict &s.initial_volume &s
-        .error &s.largest_error &s.path &s.unknowns &s.next_fields &s
-        .next_records &s.particle_files &s.mesh_files &s.wall;
+      ar &s.time;
+      ar &s.volume_excess;
+      ar &s.audit;
+      ar &s.error;
+      ar &s.largest_error;
+      ar &s.path;
+      ar &s.unknowns;
+      ar &s.next_fields;
+      ar &s.next_records;
+      ar &s.particle_files;
+      ar &s.mesh_files;
+      ar &s.wall;
     }
   } // namespace serialization
 } // namespace boost

@@ -39,8 +39,15 @@ namespace selkie
                     const StepFields  &fields,
                     StepReport<dim>   &report);
 
-  /// Largest speed and, for the audit, kinetic energy and smallest mass of the
-  /// nodes. Collective.
+  /// The largest speed of the nodes. Collective.
+  template <int dim>
+  double
+  largest_speed(const System<dim> &system,
+                const StepFields  &fields,
+                const Newmark     &newmark);
+
+  /// For the audit: kinetic energy and smallest mass of the nodes, with
+  /// inertia. Collective.
   template <int dim>
   void
   collect_motion(const System<dim> &system,

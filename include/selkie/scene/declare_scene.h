@@ -55,7 +55,13 @@ namespace selkie
                 const SceneNames         &names,
                 Scene<dim>               &scene);
 
-  /// A part of declare_scene(), in a file of its own: the bodies.
+  /// A part of declare_scene(), in a file of its own: LME, transfer, time,
+  /// Newton, linear solver.
+  template <int dim>
+  void
+  declare_numerics(dealii::ParameterHandler &prm, Scene<dim> &scene);
+
+  /// Another: the bodies.
   template <int dim>
   void
   declare_bodies(dealii::ParameterHandler &prm,

@@ -262,7 +262,7 @@ namespace selkie
     AuditLimit mass{{1e-10, 1e-8}};       ///< relative change
     AuditLimit volume{{0.05, 0.2}};       ///< fluids: relative change
     AuditLimit smallest_J{{0.2, 0.05}};   ///< below which
-    AuditLimit unseen_energy{{0.2, 0.6}}; ///< share of the kinetic energy
+    AuditLimit unseen_energy{{0.2, 0.6}}; ///< of the energy in play
     AuditLimit checkerboard{{0.2, 0.6}};  ///< of the pressure
   };
 

@@ -21,6 +21,16 @@ namespace selkie
     double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
   };
 
+  /// K x = rhs with System::matrix().
+  template <int dim>
+  struct LinearProblem
+  {
+    const System<dim>  &system;
+    const SystemTraits &traits;
+    const Vector       &rhs;
+    double              tolerance; ///< of the true residual, relative
+  };
+
   struct LinearSolveReport
   {
     unsigned int iterations = 0; ///< zero for the direct solver
@@ -37,13 +47,12 @@ namespace selkie
   };
 
   /**
-   * The linear solvers, after the measurements of solver.md: conjugate
-   * gradients for solids, with node-block Jacobi below acoustic CFL 10 and
-   * multigrid above: ML with rigid-body modes on the matrix of hat functions,
-   * between Chebyshev sweeps on that of LME; for mixed systems
-   * MINRES with Jacobi while they are symmetric, small and soft, else GMRES
-   * with the block LDL^T preconditioner. On breakdown, stagnation or NaN the
-   * direct solver (MUMPS) takes over, and says so. Every result, the direct
+   * The linear solvers, after the measurements of solver.md and
+   * doc/performance.md: conjugate gradients for solids, with node-block Jacobi
+   * below acoustic CFL 10 and multigrid above (TwoLevel for LME, ML for hat
+   * functions); GMRES with the block triangular preconditioner for mixed
+   * systems; the direct solver for small ones. On breakdown, stagnation or NaN
+   * the direct solver (MUMPS) takes over, and says so. Every result, the direct
    * one too, is judged by its true residual: |rhs - K x| <= tolerance |rhs|,
    * or it is refined until it is.
    */
@@ -63,33 +72,23 @@ namespace selkie
     void
     forget();
 
-    /// Solves K x = rhs with System::matrix(), to @p tolerance, relative.
-    /// Throws LinearSolverFailure, with the residual reached, when the direct
-    /// solver fails, too.
+    /// Solves the problem by the solver that suits it. Throws
+    /// LinearSolverFailure, with the residual reached, when the direct solver
+    /// fails, too.
     LinearSolveReport
-    solve(System<dim>        &system,
-          const SystemTraits &traits,
-          const double        tolerance,
-          const Vector       &rhs,
-          Vector             &x);
+    solve(const LinearProblem<dim> &problem, Vector &x);
 
     /// The same, tried with this solver first.
     LinearSolveReport
-    solve_first_by(const SolverKind    kind,
-                   System<dim>        &system,
-                   const SystemTraits &traits,
-                   const double        tolerance,
-                   const Vector       &rhs,
-                   Vector             &x);
+    solve_first_by(const SolverKind          kind,
+                   const LinearProblem<dim> &problem,
+                   Vector                   &x);
 
     /// The same by one solver alone: LinearSolverFailure if it does not do.
     LinearSolveReport
-    solve_by(const SolverKind    kind,
-             System<dim>        &system,
-             const SystemTraits &traits,
-             const double        tolerance,
-             const Vector       &rhs,
-             Vector             &x);
+    solve_by(const SolverKind          kind,
+             const LinearProblem<dim> &problem,
+             Vector                   &x);
 
     /// Which solver this system gets, and why.
     SolverChoice
@@ -103,26 +102,21 @@ namespace selkie
                                                   const double  reduction)>;
 
     LinearSolveReport
-    solve_with_multigrid(const SolverKind    kind,
-                         System<dim>        &system,
-                         const SystemTraits &traits,
-                         const double        tolerance,
-                         const Vector       &rhs,
-                         Vector             &x);
+    solve_with_multigrid(const SolverKind          kind,
+                         const LinearProblem<dim> &problem,
+                         Vector                   &x);
     LinearSolveReport
-    refine(const SolverKind   kind,
-           const Correction  &correct,
-           const System<dim> &system,
-           const double       tolerance,
-           const Vector      &rhs,
-           Vector            &x) const;
+    refine(const SolverKind          kind,
+           const Correction         &correct,
+           const LinearProblem<dim> &problem,
+           Vector                   &x) const;
     Correction
     krylov(const SolverKind      kind,
            const Preconditioner &preconditioner,
            const unsigned int    max_iterations,
            const System<dim>    &system) const;
 
-    /// ML of the present or an earlier matrix of the same pattern.
+    /// Of the present or an earlier matrix of the step.
     struct Multigrid
     {
       std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix> matrix;
