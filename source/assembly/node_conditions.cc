@@ -4,6 +4,19 @@ namespace selkie
 {
   using namespace dealii;
 
+  namespace
+  {
+    template <std::size_t n>
+    unsigned int
+    as_bits(const std::array<bool, n> &components)
+    {
+      unsigned int bits = 0;
+      for (unsigned int d = 0; d < n; ++d)
+        bits |= components[d] ? 1u << d : 0u;
+      return bits;
+    }
+  } // namespace
+
   template <int dim>
   NodeConditions<dim>::NodeConditions(const Scene<dim>     &scene,
                                       const NodeCloud<dim> &cloud)
@@ -55,10 +68,10 @@ namespace selkie
   template <int dim>
   void
   NodeConditions<dim>::hold_wall(const unsigned int wall,
-                                 const unsigned int components,
+                                 const Components  &components,
                                  const Motion      &motion)
   {
-    of_wall[wall]             = components;
+    of_wall[wall]             = as_bits(components);
     const unsigned int number = number_of(motion);
     for (unsigned int node = 0; number != 0 && node < cloud.size(); ++node)
       if ((on_walls[node] >> wall) & 1u)
@@ -68,13 +81,13 @@ namespace selkie
   template <int dim>
   void
   NodeConditions<dim>::hold_nodes(const std::vector<unsigned int> &nodes,
-                                  const unsigned int               components,
+                                  const Components                &components,
                                   const Motion                    &motion)
   {
     const unsigned int number = number_of(motion);
     for (const unsigned int node : nodes)
       {
-        of_nodes[node] |= components;
+        of_nodes[node] |= as_bits(components);
         if (number != 0)
           motion_of[node] = number;
       }

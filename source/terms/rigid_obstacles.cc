@@ -148,10 +148,7 @@ namespace selkie
             for (unsigned int node = 0; node < cloud.size(); ++node)
               if (set.shape->contains(cloud.position(node) - moved))
                 inside.push_back(node);
-            unsigned int components = 0;
-            for (unsigned int d = 0; d < dim; ++d)
-              components |= set.components[d] ? 1u << d : 0u;
-            conditions.hold_nodes(inside, components, motion_of(set));
+            conditions.hold_nodes(inside, set.components, motion_of(set));
           }
       }
 

@@ -24,17 +24,14 @@ namespace selkie
       {
         for (unsigned int w = 0; w < 2 * dim; ++w)
           {
-            const Wall<dim> &wall       = scene.domain.walls[w];
-            unsigned int     components = 0;
-            for (unsigned int d = 0; d < dim; ++d)
-              components |= wall.components[d] ? 1u << d : 0u;
+            const Wall<dim>                     &wall = scene.domain.walls[w];
             typename NodeConditions<dim>::Motion motion;
             if (wall.condition == NodeCondition::prescribed)
               motion = [velocity = wall.velocity](const Point<dim> &x,
                                                   const double      time) {
                 return velocity->value(x, time, x);
               };
-            conditions.hold_wall(w, components, motion);
+            conditions.hold_wall(w, wall.components, motion);
           }
       }
     };

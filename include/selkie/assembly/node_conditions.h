@@ -48,16 +48,19 @@ namespace selkie
     void
     find(const double t);
 
-    /// Holds @p components (bits) of all nodes on a wall.
+    /// Which displacement components are held.
+    using Components = std::array<bool, dim>;
+
+    /// Holds components of all nodes on a wall.
     void
     hold_wall(const unsigned int wall,
-              const unsigned int components,
+              const Components  &components,
               const Motion      &motion = Motion());
 
-    /// Holds @p components (bits) of nodes wherever they are.
+    /// Holds components of nodes wherever they are.
     void
     hold_nodes(const std::vector<unsigned int> &nodes,
-               const unsigned int               components,
+               const Components                &components,
                const Motion                    &motion = Motion());
 
     /// From now on the node's walls in @p walls (bits as in walls()) hold it
