@@ -1,4 +1,5 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/drivers/residual_report.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/laws/volumetric_law.h>
 
@@ -266,6 +267,10 @@ namespace selkie
     problem.error = [this](const Vector &residual) {
       return scales.error(residual_norms(unknowns, residual),
                           scene.newton.tolerance);
+    };
+    problem.describe = [this, &time](const Vector &residual) {
+      return describe_residual(
+        scene, terms, unknowns, table, time, fields, scales, residual);
     };
     problem.step_size = [this](const Vector &dx) {
       double largest = 0.;

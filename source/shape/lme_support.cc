@@ -56,9 +56,8 @@ namespace selkie
         }
       nodes.reinit(positions, betas, h);
 
-      patch.data = table.data.size();
-      table.data.resize_fast(patch.data +
-                             patch.n_points * (dim + 1) * patch.n_padded);
+      patch.data =
+        table.extend_data(patch.n_points * (dim + 1) * patch.n_padded);
       for (unsigned int q = 0; q < patch.n_points; ++q)
         {
           StepPoint<dim>    &point = table.points[patch.first_point + q];
@@ -125,8 +124,7 @@ namespace selkie
                                                    nodes,
                                                    nodes + patch.n_nodes))
         {
-          patch.data = table.data.size();
-          table.data.resize_fast(patch.data + size);
+          patch.data = table.extend_data(size);
           std::copy(cell.values.begin(),
                     cell.values.end(),
                     table.data.begin() + patch.data);

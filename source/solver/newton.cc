@@ -17,6 +17,35 @@ namespace selkie
         out << ' ' << error;
       return out.str();
     }
+
+    /// Whether the last iterations together have not halved the smallest
+    /// residual of those before. The first guess does not count: its residual
+    /// may be small by chance.
+    bool
+    stagnates(const std::vector<double> &errors)
+    {
+      constexpr unsigned int window = 8;
+      if (errors.size() < window + 2)
+        return false;
+      const auto recent = errors.end() - window;
+      return *std::min_element(recent, errors.end()) >
+             0.5 * *std::min_element(errors.begin() + 1, recent);
+    }
+
+    [[noreturn]] void
+    fail(const std::string         &why,
+         const std::string         &what_to_try,
+         const NewtonProblem       &problem,
+         const std::vector<double> &errors,
+         const Vector              &residual)
+    {
+      std::string text =
+        "Newton's iteration " + why +
+        "; the residual in units of its tolerance went" + history(errors) + ". ";
+      if (problem.describe)
+        text += problem.describe(residual) + ". ";
+      throw NewtonFailure(text + "Try " + what_to_try + ".");
+    }
   } // namespace
 
   double
@@ -91,17 +120,30 @@ namespace selkie
               }
           }
         result.errors.push_back(error);
+        const std::string made =
+          std::to_string(result.iterations) + " iterations";
         if (!std::isfinite(error))
-          break;
+          fail("met a residual that is not finite after " + made,
+               "a smaller Time/Step",
+               problem,
+               result.errors,
+               residual);
         if (error <= 1.)
           return result;
+        if (stagnates(result.errors))
+          fail("stagnates after " + made,
+               error < 100. ? "a larger Newton/Tolerance: this is near "
+                              "round-off" :
+                              "a smaller Time/Step",
+               problem,
+               result.errors,
+               residual);
       }
-    throw NewtonFailure(
-      "Newton's iteration did not converge in " +
-      std::to_string(result.iterations) +
-      " iterations; the residual in units of its tolerance went" +
-      history(result.errors) +
-      ". Try a smaller Time/Step, or look at the points near the "
-      "largest velocity.");
+    fail("did not converge in " + std::to_string(result.iterations) +
+           " iterations",
+         "a smaller Time/Step or more Newton/Iterations",
+         problem,
+         result.errors,
+         residual);
   }
 } // namespace selkie

@@ -60,6 +60,16 @@ namespace selkie
     std::vector<int> place(layout.component.size());
     start.reserve((end - first_row) / n_rows + 1);
     start.push_back(0);
+    std::size_t n_pairs = 0;
+    for (unsigned int row = first_row; row < end; row += n_rows)
+      n_pairs += std::count_if(matrix_column + row_start[row],
+                               matrix_column + row_start[row + 1],
+                               [&](const int k) {
+                                 return layout.component[layout.entry_of[k]] ==
+                                        first_component;
+                               });
+    column.reserve(n_pairs);
+    values.reserve(n_pairs * n_rows * n_columns);
     for (unsigned int row = first_row; row < end; row += n_rows)
       {
         // The rows of a node have the same columns.

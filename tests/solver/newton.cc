@@ -77,3 +77,53 @@ TEST(Newton, RefusesNumbersThatAreNotFinite)
   EXPECT_THROW(newton(problem, NewtonParameters(), ForcingTerms(), x),
                NewtonFailure);
 }
+
+namespace
+{
+  std::string
+  failure_of(const NewtonProblem &problem, const NewtonParameters &parameters)
+  {
+    Vector x = start(3.);
+    try
+      {
+        newton(problem, parameters, ForcingTerms(), x);
+      }
+    catch (const NewtonFailure &failure)
+      {
+        return failure.what();
+      }
+    return "";
+  }
+} // namespace
+
+TEST(Newton, StopsWhereItStagnatesAndSaysWhere)
+{
+  // A residual that a round-off of 5 tolerances keeps from vanishing.
+  NewtonProblem problem = cube_root(1e-6);
+  problem.residual      = [calls = 0](Vector &x, Vector &r) mutable {
+    r.local_element(0) = std::pow(x.local_element(0), 3) - 8. +
+                         (++calls % 2 == 0 ? 5e-6 : -5e-6);
+  };
+  problem.describe = [](const Vector &) { return "HERE"; };
+  NewtonParameters parameters;
+  parameters.max_iterations = 1000;
+  const std::string failure = failure_of(problem, parameters);
+  EXPECT_NE(failure.find("stagnates after"), std::string::npos) << failure;
+  EXPECT_NE(failure.find("HERE. Try a larger Newton/Tolerance"),
+            std::string::npos)
+    << failure;
+}
+
+TEST(Newton, SlowProgressIsNoStagnation)
+{
+  // Steps of a third: a factor 1.5 each.
+  NewtonProblem problem = cube_root(1e-6);
+  problem.solve = [](Vector &x, const Vector &r, Vector &dx, const double) {
+    dx.local_element(0) =
+      -r.local_element(0) / (9. * std::pow(x.local_element(0), 2));
+    return 1u;
+  };
+  NewtonParameters parameters;
+  parameters.max_iterations = 100;
+  EXPECT_EQ(failure_of(problem, parameters), "");
+}

@@ -4,6 +4,7 @@
 #include <selkie/scene/scene.h>
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace selkie
@@ -27,6 +28,10 @@ namespace selkie
 
     /// Largest |dx| allowed relative to its limit: dx is scaled down to 1.
     std::function<double(const Vector &dx)> step_size;
+
+    /// Says where a residual is largest, for the message of a failure; may be
+    /// missing. Collective.
+    std::function<std::string(const Vector &residual)> describe;
   };
 
   /// How well Newton's method wants its linear systems solved.
@@ -50,9 +55,10 @@ namespace selkie
 
   /**
    * Newton's method with a line search by halving. At least one iteration is
-   * made. Throws NewtonFailure, with the history of the residual and what to
-   * try, when max_iterations do not suffice, a residual is not finite, or no
-   * fraction of a step can be evaluated.
+   * made. Throws NewtonFailure, with the history of the residual, where it is
+   * largest and what to try, when max_iterations do not suffice, when several
+   * iterations together do not halve the residual (it stagnates), when it is
+   * not finite, or when no fraction of a step can be evaluated.
    */
   NewtonResult
   newton(const NewtonProblem    &problem,
