@@ -250,8 +250,13 @@ namespace selkie
       for (const auto &series : series_of(study))
         {
           const auto  points = points_of(rows, dim, series);
-          std::string line   = series + ": observed orders";
-          for (const double order : observed_orders(points))
+          const auto  orders = observed_orders(points);
+          if (!std::all_of(orders.begin(), orders.end(), [](const double p) {
+                return std::isfinite(p);
+              }))
+            continue; // not a series of meshes or steps, one finer than another
+          std::string line = series + ": observed orders";
+          for (const double order : orders)
             line += format(" %.2f", order);
           const double fit = fitted_order(points);
           line += std::isfinite(fit) ? format("; fit %.2f", fit)

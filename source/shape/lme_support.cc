@@ -34,6 +34,14 @@ namespace selkie
       patch.n_padded = lme_padded(patch.n_nodes);
     }
 
+    /// The numbers that a patch has in SupportTable::data.
+    template <int dim>
+    std::size_t
+    data_size(const Patch<dim> &patch)
+    {
+      return std::size_t(patch.n_points) * (dim + 1) * patch.n_padded;
+    }
+
     /// Shape functions of all points of a patch.
     template <int dim>
     void
@@ -56,8 +64,8 @@ namespace selkie
         }
       nodes.reinit(positions, betas, h);
 
-      patch.data =
-        table.extend_data(patch.n_points * (dim + 1) * patch.n_padded);
+      patch.data = table.data.size();
+      table.data.resize_fast(patch.data + data_size(patch));
       for (unsigned int q = 0; q < patch.n_points; ++q)
         {
           StepPoint<dim>    &point = table.points[patch.first_point + q];
@@ -118,13 +126,14 @@ namespace selkie
     {
       auto                     &cell  = known.of(patch.cell);
       const unsigned int *const nodes = &table.nodes[patch.first_node];
-      const unsigned int size = patch.n_points * (dim + 1) * patch.n_padded;
+      const std::size_t         size  = data_size(patch);
       if (cell.values.size() == size && std::equal(cell.nodes.begin(),
                                                    cell.nodes.end(),
                                                    nodes,
                                                    nodes + patch.n_nodes))
         {
-          patch.data = table.extend_data(size);
+          patch.data = table.data.size();
+          table.data.resize_fast(patch.data + size);
           std::copy(cell.values.begin(),
                     cell.values.end(),
                     table.data.begin() + patch.data);
@@ -147,12 +156,16 @@ namespace selkie
                        SupportTable<dim>      &table)
   {
     gather_points(particles, table);
+    std::size_t size = 0;
     for (Patch<dim> &patch : table.patches)
       {
         append_nodes(cloud, occupancy, patch, table);
         patch.integration = !is_full(cloud, occupancy, patch);
-        evaluate_patch(cloud, patch, table);
+        size += data_size(patch);
       }
+    table.reserve_data(size);
+    for (Patch<dim> &patch : table.patches)
+      evaluate_patch(cloud, patch, table);
   }
 
   template <int dim>
@@ -164,6 +177,15 @@ namespace selkie
     SupportTable<dim>                                &table)
   {
     const unsigned int n_matter = table.patches.size();
+    std::size_t        size     = 0;
+    for (unsigned int i = 0; i < n_matter; ++i)
+      if (!table.patches[i].integration)
+        {
+          Patch<dim> patch = table.patches[i];
+          patch.n_points   = gauss_points(cloud, table, patch).size();
+          size += data_size(patch);
+        }
+    table.reserve_data(size);
     for (unsigned int i = 0; i < n_matter; ++i)
       if (!table.patches[i].integration)
         {

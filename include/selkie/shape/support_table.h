@@ -109,17 +109,14 @@ namespace selkie
       return N(patch, q) + (d + 1) * patch.n_padded;
     }
 
-    /// Room for @p n more numbers.
-    /// @return where they begin in data.
-    std::size_t
-    extend_data(const std::size_t n)
+    /// Room for @p n more numbers in data, at once: to grow with the patches
+    /// would leave half of it, and holes in the heap, unused.
+    void
+    reserve_data(const std::size_t n)
     {
-      const std::size_t first = data.size();
-      // Steps are alike: doubling would leave up to half of the room unused.
-      if (first + n > data.capacity())
-        data.reserve(first + n + first / 8);
-      data.resize_fast(first + n);
-      return first;
+      const std::size_t needed = data.size() + n;
+      if (needed > data.capacity())
+        data.reserve(needed + needed / 16); // steps are alike, not equal
     }
 
     void
