@@ -60,21 +60,19 @@ namespace selkie
     {
       const unsigned int n_u      = system.n_owned_displacements();
       const bool         pressure = unknown >= n_u;
-      const unsigned int node = pressure ?
-                                  system.owned_pressure_nodes()[unknown - n_u] :
-                                  system.owned_nodes()[unknown / dim];
-      const Point<dim>   x    = system.cloud.position(node);
+      const unsigned int node     = pressure
+                                      ? system.owned_pressure_nodes()[unknown - n_u]
+                                      : system.owned_nodes()[unknown / dim];
+      const Point<dim>   x        = system.cloud.position(node);
       std::ostringstream out;
       out << " at the node (" << x << "), in "
-          << (pressure ? "the pressure" :
-                         std::string(1, "xyz"[unknown % dim]));
-      const auto nearest =
-        std::min_element(table.points.begin(),
-                         table.points.end(),
-                         [&x](const auto &a, const auto &b) {
-                           return a.x.distance_square(x) <
-                                  b.x.distance_square(x);
-                         });
+          << (pressure ? "the pressure" : std::string(1, "xyz"[unknown % dim]));
+      const auto nearest = std::min_element(table.points.begin(),
+                                            table.points.end(),
+                                            [&x](const auto &a, const auto &b) {
+                                              return a.x.distance_square(x) <
+                                                     b.x.distance_square(x);
+                                            });
       if (nearest != table.points.end())
         out << ", next to the point (" << nearest->x << ") of body '"
             << scene.bodies[nearest->body].name << "'";
@@ -108,8 +106,7 @@ namespace selkie
         try
           {
             Assembler<dim>(alone, system)
-              .assemble(
-                table, time, fields, scales.pressure_unit, false, part);
+              .assemble(table, time, fields, scales.pressure_unit, false, part);
             if (mine)
               out << ' ' << term->name() << ' '
                   << part.local_element(worst.unknown) << ',';
@@ -121,25 +118,26 @@ namespace selkie
       }
     if (mine)
       out << " together " << residual.local_element(worst.unknown) << ' '
-          << (worst.unknown < system.n_owned_displacements() ?
-                (dim == 2 ? "N/m" : "N") :
-                (dim == 2 ? "m^2" : "m^3"));
+          << (worst.unknown < system.n_owned_displacements()
+                ? (dim == 2 ? "N/m" : "N")
+                : (dim == 2 ? "m^2" : "m^3"));
     // Told by the rank that knows.
     const MPI_Comm     comm = residual.get_mpi_communicator();
-    const unsigned int root = Utilities::MPI::max(
-      mine ? Utilities::MPI::this_mpi_process(comm) : 0u, comm);
+    const unsigned int root =
+      Utilities::MPI::max(mine ? Utilities::MPI::this_mpi_process(comm) : 0u,
+                          comm);
     return Utilities::MPI::broadcast(comm, out.str(), root);
   }
 
-#define INSTANTIATE(dim)                                        \
-  template std::string describe_residual(                       \
-    const Scene<dim> &,                                         \
-    const std::vector<std::shared_ptr<const Term<dim>>> &,      \
-    System<dim> &,                                              \
-    const SupportTable<dim> &,                                  \
-    const StepTime &,                                           \
-    StepFields &,                                               \
-    const ResidualScales &,                                     \
+#define INSTANTIATE(dim)                                   \
+  template std::string describe_residual(                  \
+    const Scene<dim> &,                                    \
+    const std::vector<std::shared_ptr<const Term<dim>>> &, \
+    System<dim> &,                                         \
+    const SupportTable<dim> &,                             \
+    const StepTime &,                                      \
+    StepFields &,                                          \
+    const ResidualScales &,                                \
     const Vector &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -249,8 +249,8 @@ namespace selkie
       std::vector<std::string> lines;
       for (const auto &series : series_of(study))
         {
-          const auto  points = points_of(rows, dim, series);
-          const auto  orders = observed_orders(points);
+          const auto points = points_of(rows, dim, series);
+          const auto orders = observed_orders(points);
           if (!std::all_of(orders.begin(), orders.end(), [](const double p) {
                 return std::isfinite(p);
               }))

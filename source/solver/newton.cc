@@ -39,9 +39,9 @@ namespace selkie
          const std::vector<double> &errors,
          const Vector              &residual)
     {
-      std::string text =
-        "Newton's iteration " + why +
-        "; the residual in units of its tolerance went" + history(errors) + ". ";
+      std::string text = "Newton's iteration " + why +
+                         "; the residual in units of its tolerance went" +
+                         history(errors) + ". ";
       if (problem.describe)
         text += problem.describe(residual) + ". ";
       throw NewtonFailure(text + "Try " + what_to_try + ".");
@@ -133,8 +133,8 @@ namespace selkie
         if (stagnates(result.errors))
           fail("stagnates after " + made,
                error < 100. ? "a larger Newton/Tolerance: this is near "
-                              "round-off" :
-                              "a smaller Time/Step",
+                              "round-off"
+                            : "a smaller Time/Step",
                problem,
                result.errors,
                residual);

@@ -134,11 +134,6 @@ CROSSING = Known(
     "jumps when it crosses.",
     "GIMP (Bardenhagen & Kober 2004), B-splines (Steffen, Kirby & Berzins 2008), LME.",
     "None: `q4 mpm` is there for comparison; use `lme mpm`.")
-FACES = Known(
-    "A defect: points exactly on faces of cells leave nodes in the system that have no mass; "
-    "MUMPS finds it singular, or the residual is not finite.",
-    "Nodes whose mass is below a share of a point's are left out (common practice).",
-    "To be mended.")
 FRACTURE = Known(
     "Numerical fracture: with functions as narrow as at gamma 3 (or hats) and 2 x 2 points the "
     "points drift apart by the distance of nodes, forces scatter as in cell crossing, and the bar "
@@ -788,12 +783,10 @@ CASES = [
            safe="water at rest on disordered points: `Volume correction = 0`")
       for name, cells in (("", 10), ("_fine", 20))),
 
-    Case("points_on_faces", "Where points are", flight(), FLIGHT, on=(LME, MPM, FEM),
-         known={MPM: FACES}),
+    Case("points_on_faces", "Where points are", flight(), FLIGHT, on=(LME, MPM, FEM)),
     Case("points_on_faces_3d", "Where points are",
          flight(steps=6, h=0.5, dimension=3, scene=HERE / "column_3d.prm",
-                **{"Bodies/block/Shape": "box(-0.5, -0.5, 2, 0.5, 0.5, 3)"}), FLIGHT, on=(LME, MPM),
-         known={MPM: FACES}),
+                **{"Bodies/block/Shape": "box(-0.5, -0.5, 2, 0.5, 0.5, 3)"}), FLIGHT, on=(LME, MPM)),
     Case("points_near_faces", "Where points are", flight(share=0.25 * (1 + 4e-12)), FLIGHT,
          on=(LME, MPM)),
     *(Case("one_point_" + name, "Where points are", parabola(scene),
@@ -854,8 +847,7 @@ CASES = [
     Case("two_discs", "Contact", discs,
          [("momentum / sqrt(2 m E)", 1e-10, "conserved"), ("energy gained", 1e-3, GROWTH),
           ("contact early by cells", 2, "bodies meet through common nodes: two cells"),
-          ("0 if they fly apart", 0, "Sulsky, Chen & Schreyer 1994")], on=(LME, MPM),
-         known={MPM: FACES}),
+          ("0 if they fly apart", 0, "Sulsky, Chen & Schreyer 1994")], on=(LME, MPM)),
     Case("corner_impact", "Contact", corner_impact,
          [("farthest behind a wall / h", 1e-9, "practice"), ("energy gained", 1e-3, GROWTH),
           ("momenta x - y, over start", 1e-9, "mirror symmetry"), ("0 if it comes back", 0, "elastic")],
@@ -940,7 +932,7 @@ CASES = [
           ("energy - at rest, over start", 0.05, "Galileo; stress within 5 %: practice")],
          on=(LME, MPM), known={MPM: CROSSING}),
     Case("graded_flight", "Meshes", flight(dt=0.01, steps=20, h=1 / 128, **GRADED), FLIGHT,
-         on=(LME, MPM), known={MPM: FACES}),
+         on=(LME, MPM)),
     Case("graded_column", "Meshes", graded_column,
          [("rms of the pressure / (rho g H)", 0.02, "practice"),
           ("speed, rms / sqrt(g H)", 0.01,

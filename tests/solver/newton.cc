@@ -101,8 +101,8 @@ TEST(Newton, StopsWhereItStagnatesAndSaysWhere)
   // A residual that a round-off of 5 tolerances keeps from vanishing.
   NewtonProblem problem = cube_root(1e-6);
   problem.residual      = [calls = 0](Vector &x, Vector &r) mutable {
-    r.local_element(0) = std::pow(x.local_element(0), 3) - 8. +
-                         (++calls % 2 == 0 ? 5e-6 : -5e-6);
+    r.local_element(0) =
+      std::pow(x.local_element(0), 3) - 8. + (++calls % 2 == 0 ? 5e-6 : -5e-6);
   };
   problem.describe = [](const Vector &) { return "HERE"; };
   NewtonParameters parameters;
