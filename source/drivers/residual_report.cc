@@ -41,10 +41,11 @@ namespace selkie
             if (size > worst.size)
               worst = {i, size};
           }
-      const MPI_Comm     comm = residual.get_mpi_communicator();
-      const unsigned int me   = Utilities::MPI::this_mpi_process(comm);
-      const bool         mine =
-        worst.size >= 0. && worst.size == Utilities::MPI::max(worst.size, comm);
+      const MPI_Comm     comm    = residual.get_mpi_communicator();
+      const unsigned int me      = Utilities::MPI::this_mpi_process(comm);
+      const double       largest = Utilities::MPI::max(worst.size, comm);
+      // A rank without free unknowns has none, but takes part.
+      const bool         mine  = worst.size >= 0. && worst.size == largest;
       const unsigned int first = Utilities::MPI::min(
         mine ? me : std::numeric_limits<unsigned int>::max(), comm);
       return first == me ? worst : Worst();
