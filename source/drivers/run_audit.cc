@@ -127,6 +127,8 @@ namespace selkie
           statistics.set("energy of volume correction" + energy,
                          energies.of_volume);
       }
+    if (scene.adaptivity)
+      statistics.set("energy of adapting" + energy, energies.of_adapting);
     statistics.set("energy balance" + energy, energies.balance(present));
   }
 

@@ -44,6 +44,26 @@ namespace selkie
       nodes.pressure = stepper.nodal_pressure();
       return nodes;
     }
+
+    /// What a mesh that follows the matter is like, and its points. Collective.
+    template <int dim>
+    void
+    set_mesh_columns(const ParticleSet<dim> &particles,
+                     const NodeCloud<dim>   &cloud,
+                     Statistics             &statistics)
+    {
+      const auto    &handler = particles.handler();
+      const MPI_Comm comm    = particles.communicator();
+      const double   fullest =
+        Utilities::MPI::max(double(handler.n_locally_owned_particles()), comm);
+      statistics.set("cells",
+                     cloud.dof_handler().get_triangulation().n_global_active_cells());
+      statistics.set("points split", particles.accounting.split);
+      statistics.set("points merged", particles.accounting.merged);
+      statistics.set("imbalance of points",
+                     fullest * Utilities::MPI::n_mpi_processes(comm) /
+                       handler.n_global_particles());
+    }
   } // namespace
 
   template <int dim>
@@ -142,7 +162,7 @@ namespace selkie
     so_far.unknowns      = std::max(so_far.unknowns, report.unknowns);
     if (audit)
       audit->record(time.now(), report);
-    write_row(particles, time, dt, report);
+    write_row(particles, stepper, time, dt, report);
 
     record_effects(time.now(), stepper, report.walls);
     const double slack = 1e-6 * scene.time.step;
@@ -157,6 +177,14 @@ namespace selkie
     if (time.number() == 10 && warm_time > 0.)
       show_forecast(time);
     show_progress(time, dt, report);
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::record(const AdaptReport &report)
+  {
+    if (audit)
+      audit->book_adapting(report.energy);
   }
 
   template <int dim>
@@ -180,6 +208,7 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::write_row(const ParticleSet<dim> &particles,
+                            const Stepper<dim>     &stepper,
                             const TimeControl      &time,
                             const double            dt,
                             const StepReport<dim>  &report)
@@ -200,6 +229,8 @@ namespace selkie
       statistics.set("crowding", report.crowding);
     statistics.set("points removed", particles.accounting.removed);
     statistics.set("points kept at walls", particles.accounting.kept_at_wall);
+    if (scene.adaptivity)
+      set_mesh_columns(particles, stepper.system().cloud, statistics);
     fail_together<OutputError>(comm, [&] { statistics.end_row(); });
   }
 
@@ -395,7 +426,7 @@ namespace selkie
     TimerTree::Scope scope(timers, "checkpoint");
     RunState         state = so_far;
     state.time             = time.state();
-    state.volume_excess    = stepper.kept_volume_excess();
+    state.stepper          = stepper.kept_numbers();
     if (audit)
       state.audit = audit->state();
     state.particle_files = vtu->particle_pictures();

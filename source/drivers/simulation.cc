@@ -1,3 +1,4 @@
+#include <selkie/adapt/adapt_mesh.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/base/log.h>
 #include <selkie/drivers/plan.h>
@@ -28,11 +29,20 @@ namespace selkie
         if (checkpoint.empty())
           {
             particles.seed();
+            if (scene.adaptivity)
+              adapt_to_seeds();
             for (const auto &active : scene.effects)
               active.effect->start(particles);
           }
         else
           state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
+        make_cloud();
+      }
+
+      void
+      make_cloud()
+      {
+        const Scene<dim> &scene = particles.scene;
         if (scene.approximation == Approximation::lme_mpm)
           cloud = std::make_unique<NodeCloud<dim>>(*mesh,
                                                    scene.lme.gamma,
@@ -41,13 +51,28 @@ namespace selkie
           cloud = std::make_unique<NodeCloud<dim>>(*mesh);
       }
 
+      /// The points are seeded again on the adapted mesh, until it fits them.
+      void
+      adapt_to_seeds()
+      {
+        const Adaptivity  &wishes = *particles.scene.adaptivity;
+        CarriedFields<dim> none;
+        for (unsigned int i = 0; i <= wishes.finer + wishes.coarser; ++i)
+          {
+            make_cloud();
+            if (!adapt_mesh(*mesh, particles, *cloud, {}, none).changed)
+              return;
+            particles.seed();
+          }
+      }
+
       std::unique_ptr<parallel::distributed::Triangulation<dim>> mesh;
       ParticleSet<dim>                                           particles;
       std::unique_ptr<NodeCloud<dim>>                            cloud;
 
       // Of a checkpoint:
-      CheckpointState       state;
-      CheckpointFields<dim> nodal_fields;
+      CheckpointState    state;
+      CarriedFields<dim> nodal_fields;
     };
 
     /// Points of a Lagrangian mesh stay in their cells: they may move any
@@ -60,6 +85,78 @@ namespace selkie
       if (scene.lagrangian_mesh())
         parameters.max_move = std::numeric_limits<double>::infinity();
       return parameters;
+    }
+
+    /// Spacing of the finest nodes that there can be (m).
+    template <int dim>
+    double
+    smallest_spacing(const Scene<dim> &scene, const NodeCloud<dim> &cloud)
+    {
+      return scene.adaptivity ? finest_spacing(scene.domain, *scene.adaptivity)
+                              : cloud.smallest_spacing();
+    }
+
+    template <int dim>
+    std::unique_ptr<Stepper<dim>>
+    make_stepper(Setup<dim> &setup, TimerTree &timers, Log &log)
+    {
+      return std::make_unique<Stepper<dim>>(setup.particles.scene,
+                                            setup.particles,
+                                            *setup.cloud,
+                                            timers,
+                                            [&log](const std::string &text) {
+                                              log.line("  " + text);
+                                            });
+    }
+
+    template <int dim>
+    bool
+    adapts_now(const Scene<dim>   &scene,
+               const Stepper<dim> &stepper,
+               const TimeControl  &time)
+    {
+      if (!scene.adaptivity || time.at_end())
+        return false;
+      const Adaptivity &wishes = *scene.adaptivity;
+      return time.number() % wishes.steps == 0 ||
+             stepper.kept_numbers().moved >
+               0.5 * wishes.buffer * finest_spacing(scene.domain, wishes);
+    }
+
+    /// Adapts the mesh to the matter after a step of size @p dt. Cloud and
+    /// stepper, which hang on the mesh, are made anew.
+    template <int dim>
+    AdaptReport
+    adapt(Setup<dim>                    &setup,
+          std::unique_ptr<Stepper<dim>> &stepper,
+          const double                   dt,
+          TimerTree                     &timers,
+          Log                           &log)
+    {
+      TimerTree::Scope   scope(timers, "adapt");
+      const auto         fields = stepper->nodal_fields(dt);
+      NodalView<dim>     view;
+      CarriedFields<dim> carried;
+      if (fields.mass.size() > 0)
+        {
+          view.velocity = &fields.velocity;
+          view.mass     = &fields.mass;
+          if (fields.pressure.size() > 0)
+            view.pressure = &fields.pressure;
+        }
+      carried.take(*setup.mesh,
+                   setup.cloud->dof_handler(),
+                   stepper->kept_fields());
+      const auto report =
+        adapt_mesh(*setup.mesh, setup.particles, *setup.cloud, view, carried);
+      if (report.changed)
+        {
+          const auto before = std::move(stepper);
+          setup.make_cloud();
+          stepper = make_stepper(setup, timers, log);
+          stepper->go_on_from(carried, before->kept_numbers(), before->costs());
+        }
+      return report;
     }
 
     /// Of the stiffest body (m/s).
@@ -109,16 +206,13 @@ namespace selkie
     if (!found.damage.empty())
       log.line("          passed over a damaged checkpoint: " + found.damage);
 
-    auto         setup     = timed(timers, "set-up", [&] {
+    auto        setup     = timed(timers, "set-up", [&] {
       return std::make_unique<Setup<dim>>(scene, comm, found.folder);
     });
-    auto        &particles = setup->particles;
-    Stepper<dim> stepper(
-      scene, particles, *setup->cloud, timers, [&log](const std::string &text) {
-        log.line("  " + text);
-      });
+    auto       &particles = setup->particles;
+    auto        stepper   = make_stepper(*setup, timers, log);
     TimeControl time(time_parameters(scene),
-                     setup->cloud->smallest_spacing(),
+                     smallest_spacing(scene, *setup->cloud),
                      sound_speed(scene));
 
     if (resumed)
@@ -127,8 +221,8 @@ namespace selkie
                                       setup->state.run.end());
         const auto state = Utilities::unpack<RunState>(bytes, false);
         time.restore(state.time);
-        stepper.restore(setup->nodal_fields, state.volume_excess);
-        output.resume(particles, stepper, state);
+        stepper->restore(setup->nodal_fields, state.stepper);
+        output.resume(particles, *stepper, state);
         if (time.at_end())
           {
             log.line(
@@ -139,27 +233,30 @@ namespace selkie
       }
     else
       {
-        stepper.start(time.now(), time.step());
-        output.start(particles, stepper);
+        stepper->start(time.now(), time.step());
+        output.start(particles, *stepper);
       }
     while (!time.at_end())
       {
         StepReport<dim> report;
         try
           {
-            report = step_with_retries(stepper, time, log);
+            report = step_with_retries(*stepper, time, log);
           }
         catch (const NumericalFailure &failure)
           {
-            output.fail(particles, stepper, *setup->mesh, time, failure.what());
+            output.fail(
+              particles, *stepper, *setup->mesh, time, failure.what());
             return 2;
           }
         const double dt = time.step();
         time.advance(report.largest_speed, report.time_error);
-        output.record(particles, stepper, time, dt, report);
-        output.keep(particles, stepper, *setup->mesh, time);
+        output.record(particles, *stepper, time, dt, report);
+        if (adapts_now(scene, *stepper, time))
+          output.record(adapt(*setup, stepper, dt, timers, log));
+        output.keep(particles, *stepper, *setup->mesh, time);
       }
-    output.finish(particles, stepper, time);
+    output.finish(particles, *stepper, time);
     return 0;
   }
 
@@ -174,7 +271,7 @@ namespace selkie
     Stepper<dim> stepper(
       scene, setup.particles, *setup.cloud, timers, [](const std::string &) {});
     TimeControl time(time_parameters(scene),
-                     setup.cloud->smallest_spacing(),
+                     smallest_spacing(scene, *setup.cloud),
                      sound_speed(scene));
     stepper.start(time.now(), time.step());
     // The first step finds a new pattern and starts from rest; the next ones

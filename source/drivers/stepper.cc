@@ -140,7 +140,7 @@ namespace selkie
       }
     if (scene.corrects_volume())
       volume = correct_volume(
-        *scene.fluid_pressure, dt, volume_excess, unknowns, table);
+        *scene.fluid_pressure, dt, kept.volume_excess, unknowns, table);
   }
 
   template <int dim>
@@ -322,7 +322,8 @@ namespace selkie
       nodes->keep(unknowns, time.newmark, fields);
     if (scene.has_pressure())
       store_pressure(unknowns, fields, stored_pressure);
-    volume_excess = volume.excess;
+    kept.volume_excess = volume.excess;
+    kept.moved += report.largest_speed * dt;
     if (release)
       release->end_step();
     return report;
@@ -522,11 +523,12 @@ namespace selkie
 
   template <int dim>
   void
-  Stepper<dim>::restore(const CheckpointFields<dim> &kept, const double excess)
+  Stepper<dim>::restore(const CarriedFields<dim> &carried,
+                        const KeptNumbers        &numbers)
   {
-    volume_excess      = excess;
+    kept               = numbers;
     const auto restore = [&](const std::string &name, Vector &field) {
-      const Vector &values = kept.values.at(name);
+      const Vector &values = carried.values.at(name);
       for (unsigned int node = 0; node < cloud.n_owned(); ++node)
         field.local_element(node) = values(cloud.global_index(node));
       field.update_ghost_values();
@@ -546,6 +548,16 @@ namespace selkie
         restore("released walls", walls);
         release->restore(walls);
       }
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::go_on_from(const CarriedFields<dim> &fields,
+                           const KeptNumbers        &numbers,
+                           const CostLedger         &costs)
+  {
+    restore(fields, {numbers.volume_excess, 0.});
+    assembler.go_on_from(costs);
   }
 
   template <int dim>

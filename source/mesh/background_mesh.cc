@@ -73,8 +73,7 @@ namespace selkie
       dealii::Triangulation<dim>::limit_level_difference_at_vertices,
       Mesh::communicate_vertices_to_p4est);
 
-    const unsigned int base = domain.mesh ? domain.mesh->global_refinements
-                                          : common_halvings(domain.cells);
+    const unsigned int base = base_level(domain);
     if (domain.mesh)
       make_coarse_mesh(*domain.mesh, *mesh);
     else
@@ -93,23 +92,47 @@ namespace selkie
     for (unsigned int pass = 0; pass < most_levels; ++pass)
       {
         for (const auto &cell : mesh->active_cell_iterators())
-          if (cell->is_locally_owned())
-            for (const auto &refinement : domain.refinements)
-              if (static_cast<unsigned int>(cell->level()) <
-                    base + refinement.levels &&
-                  touches(cell, *refinement.shape))
-                {
-                  cell->set_refine_flag();
-                  break;
-                }
+          if (cell->is_locally_owned() &&
+              static_cast<unsigned int>(cell->level()) <
+                refined_level<dim>(domain, cell))
+            cell->set_refine_flag();
         mesh->execute_coarsening_and_refinement();
       }
     return mesh;
   }
 
 
-  template std::unique_ptr<dealii::parallel::distributed::Triangulation<2>>
-  make_background_mesh(const Domain<2> &, const MPI_Comm);
-  template std::unique_ptr<dealii::parallel::distributed::Triangulation<3>>
-  make_background_mesh(const Domain<3> &, const MPI_Comm);
+  template <int dim>
+  unsigned int
+  base_level(const Domain<dim> &domain)
+  {
+    return domain.mesh ? domain.mesh->global_refinements
+                       : common_halvings(domain.cells);
+  }
+
+
+  template <int dim>
+  unsigned int
+  refined_level(
+    const Domain<dim>                                               &domain,
+    const typename dealii::Triangulation<dim>::active_cell_iterator &cell)
+  {
+    unsigned int levels = 0;
+    for (const auto &refinement : domain.refinements)
+      if (refinement.levels > levels && touches(cell, *refinement.shape))
+        levels = refinement.levels;
+    return levels > 0 ? base_level(domain) + levels : 0;
+  }
+
+
+#define INSTANTIATE(dim)                                                      \
+  template std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>> \
+  make_background_mesh(const Domain<dim> &, const MPI_Comm);                  \
+  template unsigned int base_level(const Domain<dim> &);                      \
+  template unsigned int refined_level<dim>(                                   \
+    const Domain<dim> &,                                                      \
+    const dealii::Triangulation<dim>::active_cell_iterator &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
 } // namespace selkie

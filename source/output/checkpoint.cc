@@ -71,61 +71,6 @@ namespace selkie
     using FieldTransfer =
       dealii::parallel::distributed::SolutionTransfer<dim, Vector>;
 
-    template <int dim>
-    std::vector<const Vector *>
-    const_pointers(const CheckpointFields<dim> &fields)
-    {
-      std::vector<const Vector *> result;
-      for (const auto &[name, values] : fields.values)
-        result.push_back(&values);
-      return result;
-    }
-
-    /// Numbers the nodes of the mesh and makes room for the fields.
-    template <int dim>
-    std::vector<Vector *>
-    reinit(CheckpointFields<dim> &fields)
-    {
-      fields.dofs.distribute_dofs(dealii::FE_Q<dim>(1));
-      dealii::IndexSet relevant;
-      dealii::DoFTools::extract_locally_relevant_dofs(fields.dofs, relevant);
-      std::vector<Vector *> result;
-      for (auto &[name, values] : fields.values)
-        {
-          values.reinit(fields.dofs.locally_owned_dofs(),
-                        relevant,
-                        fields.dofs.get_communicator());
-          result.push_back(&values);
-        }
-      return result;
-    }
-
-    template <int dim>
-    void
-    update_ghosts(CheckpointFields<dim> &fields)
-    {
-      for (auto &[name, values] : fields.values)
-        values.update_ghost_values();
-    }
-
-    /// Gives every rank its share of the points; the fields go with the cells.
-    template <int dim>
-    void
-    rebalance(ParticleSet<dim> &particles, CheckpointFields<dim> &fields)
-    {
-      if (fields.values.empty())
-        {
-          particles.rebalance();
-          return;
-        }
-      FieldTransfer<dim> transfer(fields.dofs);
-      transfer.prepare_for_coarsening_and_refinement(const_pointers(fields));
-      particles.rebalance();
-      auto values = reinit(fields);
-      transfer.interpolate(values);
-      update_ghosts(fields);
-    }
-
     JsonObject
     to_json(const CheckpointState &state)
     {
@@ -136,6 +81,8 @@ namespace selkie
       json.add("seeded", state.accounting.seeded);
       json.add("removed", state.accounting.removed);
       json.add("kept at wall", state.accounting.kept_at_wall);
+      json.add("split", state.accounting.split);
+      json.add("merged", state.accounting.merged);
       json.add("seeded mass", state.accounting.seeded_mass);
       json.add("removed mass", state.accounting.removed_mass);
       return json;
@@ -152,6 +99,8 @@ namespace selkie
       state.accounting.removed = json.get<unsigned long long>("removed");
       state.accounting.kept_at_wall =
         json.get<unsigned long long>("kept at wall");
+      state.accounting.split        = json.get<unsigned long long>("split", 0);
+      state.accounting.merged       = json.get<unsigned long long>("merged", 0);
       state.accounting.seeded_mass  = json.get<double>("seeded mass");
       state.accounting.removed_mass = json.get<double>("removed mass");
       return state;
@@ -345,7 +294,7 @@ namespace selkie
   read_checkpoint(const std::string                                 &folder,
                   ParticleSet<dim>                                  &particles,
                   dealii::parallel::distributed::Triangulation<dim> &mesh,
-                  CheckpointFields<dim> &nodal_fields)
+                  CarriedFields<dim> &nodal_fields)
   {
     const MPI_Comm              comm = particles.communicator();
     boost::property_tree::ptree json;
@@ -374,19 +323,20 @@ namespace selkie
     for (const auto &name : dealii::Utilities::split_string_list(
            json.get<std::string>("nodal fields")))
       nodal_fields.values[name];
-    auto values = reinit(nodal_fields);
+    nodal_fields.reinit();
+    auto values = nodal_fields.pointers();
     if (!values.empty())
       {
         FieldTransfer<dim> transfer(nodal_fields.dofs);
         transfer.deserialize(values);
-        update_ghosts(nodal_fields);
+        nodal_fields.update_ghosts();
       }
 
     CheckpointState state = from_json(json.get_child("state"));
     state.run             = read_text(folder + "/run");
     particles.accounting  = state.accounting;
     if (other_ranks)
-      rebalance(particles, nodal_fields);
+      nodal_fields.carry_along([&particles] { particles.rebalance(); });
     return state;
   }
 
@@ -407,7 +357,7 @@ namespace selkie
     const std::string &,                                 \
     ParticleSet<dim> &,                                  \
     dealii::parallel::distributed::Triangulation<dim> &, \
-    CheckpointFields<dim> &)
+    CarriedFields<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -55,6 +55,11 @@ namespace selkie
       json.add("seeded", accounting.seeded);
       json.add("removed", accounting.removed);
       json.add("kept at wall", accounting.kept_at_wall);
+      if (accounting.split + accounting.merged > 0)
+        {
+          json.add("split", accounting.split);
+          json.add("merged", accounting.merged);
+        }
       json.add("seeded mass", accounting.seeded_mass);
       json.add("removed mass", accounting.removed_mass);
       return json;

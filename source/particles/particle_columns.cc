@@ -34,15 +34,15 @@ namespace selkie
     const char *m_unit = dim == 2 ? "kg/m" : "kg";
     const char *V_unit = dim == 2 ? "m^2" : "m^3";
 
-    body     = fields.add<double>("body", "", true);
-    mass     = fields.add<double>("mass", m_unit, true);
-    volume   = fields.add<double>("reference volume", V_unit, true);
-    lambda   = add_if<Vector>(lme, fields, "LME multiplier", "1/m", false);
-    v        = add_if<Vector>(moves, fields, "velocity", "m/s", true);
-    a        = add_if<Vector>(moves, fields, "acceleration", "m/s^2", false);
-    X        = add_if<Vector>(shape, fields, "reference position", "m", true);
-    F        = add_if<Matrix>(shape, fields, "deformation gradient", "", true);
-    J        = add_if<double>(fluid, fields, "volume ratio", "", true);
+    body   = fields.add<double>("body", "", true, Combine::label);
+    mass   = fields.add<double>("mass", m_unit, true, Combine::sum);
+    volume = fields.add<double>("reference volume", V_unit, true, Combine::sum);
+    lambda = add_if<Vector>(lme, fields, "LME multiplier", "1/m", false);
+    v      = add_if<Vector>(moves, fields, "velocity", "m/s", true);
+    a      = add_if<Vector>(moves, fields, "acceleration", "m/s^2", false);
+    X      = add_if<Vector>(shape, fields, "reference position", "m", true);
+    F      = add_if<Matrix>(shape, fields, "deformation gradient", "", true);
+    J      = add_if<double>(fluid, fields, "volume ratio", "", true);
     pressure = add_if<double>(fluid, fields, "pressure", "Pa", true);
     grad_v   = add_if<Matrix>(tpic, fields, "velocity gradient", "1/s", false);
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <map>
 #include <sstream>
+#include <unordered_set>
 
 namespace selkie
 {
@@ -21,16 +22,23 @@ namespace selkie
 
     /// A point on its way from cell to cell or rank to rank: id, position and
     /// properties, all as doubles (ids are below 2^53).
+    template <int dim, typename Properties>
+    std::vector<double>
+    pack(const dealii::types::particle_index id,
+         const dealii::Point<dim>           &x,
+         const Properties                   &properties)
+    {
+      std::vector<double> record = {static_cast<double>(id)};
+      record.insert(record.end(), x.begin_raw(), x.end_raw());
+      record.insert(record.end(), properties.begin(), properties.end());
+      return record;
+    }
+
     template <typename Particle>
     std::vector<double>
     pack(const Particle &point)
     {
-      const auto          x          = point.get_location();
-      const auto          properties = point.get_properties();
-      std::vector<double> record     = {static_cast<double>(point.get_id())};
-      record.insert(record.end(), x.begin_raw(), x.end_raw());
-      record.insert(record.end(), properties.begin(), properties.end());
-      return record;
+      return pack(point.get_id(), point.get_location(), point.get_properties());
     }
 
     template <int dim>
@@ -214,6 +222,49 @@ namespace selkie
     points.prepare_for_coarsening_and_refinement();
     mesh.repartition();
     points.unpack_after_coarsening_and_refinement();
+    check_accounting();
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::remesh(const std::function<void()> &change)
+  {
+    std::vector<std::vector<double>> records;
+    records.reserve(points.n_locally_owned_particles());
+    for (const auto &point : points)
+      records.push_back(pack(point));
+    change(); // the points are still there: they are the cells' weights
+    points.clear();
+    deliver(records);
+    points.update_cached_numbers();
+    check_accounting();
+  }
+
+
+  template <int dim>
+  void
+  ParticleSet<dim>::replace(const std::vector<Iterator> &gone,
+                            const std::vector<Record>   &born,
+                            const unsigned long long     split,
+                            const unsigned long long     merged)
+  {
+    std::unordered_set<dealii::types::particle_index> ids;
+    for (const auto &point : gone)
+      ids.insert(point->get_id());
+    std::vector<Iterator> in_order;
+    for (auto point = points.begin(); point != points.end(); ++point)
+      if (ids.count(point->get_id()) > 0)
+        in_order.push_back(point);
+    remove(in_order);
+
+    std::vector<std::vector<double>> records;
+    for (const Record &record : born)
+      records.push_back(pack(record.id, record.x, record.properties));
+    deliver(records);
+    accounting.split += split;
+    accounting.merged += merged;
+    points.update_cached_numbers();
     check_accounting();
   }
 
@@ -495,7 +546,7 @@ namespace selkie
       mass += columns.mass(point.get_properties());
     mass                  = dealii::Utilities::MPI::sum(mass, communicator());
     const auto   n        = points.n_global_particles();
-    const auto   expected = accounting.seeded - accounting.removed;
+    const auto   expected = accounting.present();
     const double expected_mass =
       accounting.seeded_mass - accounting.removed_mass;
     if (n == expected &&

@@ -151,7 +151,10 @@ namespace selkie
       {
         fields.add<Tensor<1, dim>>("reference position", "m", true);
         if (!scene.lagrangian_mesh()) // there faces of elements are loaded
-          fields.add<double>("traction area", dim == 2 ? "m" : "m^2", false);
+          fields.add<double>("traction area",
+                             dim == 2 ? "m" : "m^2",
+                             false,
+                             Combine::sum);
       }
 
       std::shared_ptr<const Term<dim>>

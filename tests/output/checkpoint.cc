@@ -86,7 +86,7 @@ namespace
     for (const MPI_Comm comm : {MPI_COMM_WORLD, MPI_COMM_SELF})
       {
         Matter<dim>           resumed(two_blocks<dim>(), comm, false);
-        CheckpointFields<dim> fields;
+        CarriedFields<dim> fields;
         const auto            state =
           read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
         const NodeCloud<dim> nodes(*resumed.mesh);
@@ -160,7 +160,7 @@ namespace
                                               1.);
 
     Matter<2>           resumed(run.scene, MPI_COMM_WORLD, false);
-    CheckpointFields<2> fields;
+    CarriedFields<2> fields;
     read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
     EXPECT_EQ(fields.values.size(), names.size());
     // The nodes may have other numbers and owners: they are known by places.
@@ -257,7 +257,7 @@ TEST(CheckpointMPI, RefusesAnotherScene)
   Scene<2>           other = two_blocks<2>();
   other.inertia.reset();
   Matter<2>           resumed(other, MPI_COMM_WORLD, false);
-  CheckpointFields<2> fields;
+  CarriedFields<2> fields;
   EXPECT_THROW(read_checkpoint(path, resumed.particles, *resumed.mesh, fields),
                SceneError);
 }

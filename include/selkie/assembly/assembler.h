@@ -82,6 +82,13 @@ namespace selkie
            StepFields              &fields);
 
     /// What the terms cost so far.
+    /// Adds to the costs of another assembler of the same terms.
+    void
+    go_on_from(const CostLedger &costs)
+    {
+      ledger = costs;
+    }
+
     const CostLedger &
     costs() const
     {

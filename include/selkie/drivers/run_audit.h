@@ -17,11 +17,13 @@ namespace selkie
     double potential  = 0; ///< at the start
     double dissipated = 0, external_work = 0;
     double of_reset = 0, of_volume = 0; ///< given by the fluid's rules
+    double of_adapting = 0;             ///< given by points split and merged
 
     double
     balance(const Audit &now) const
     {
-      return now.energy() + dissipated - external_work - of_volume - initial;
+      return now.energy() + dissipated - external_work - of_volume -
+             of_adapting - initial;
     }
 
     /// What a gain or loss is measured by: all that moves or is stored, and
@@ -55,6 +57,14 @@ namespace selkie
     /// After a step that ended at time @p t (s). Collective.
     void
     record(const double t, const StepReport<dim> &report);
+
+    /// Between two steps points were split and merged, which added so much
+    /// energy (J).
+    void
+    book_adapting(const double energy)
+    {
+      energies.of_adapting += energy;
+    }
 
     /// The figures of the step just recorded.
     void

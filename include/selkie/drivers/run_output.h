@@ -1,5 +1,6 @@
 #pragma once
 
+#include <selkie/adapt/adapt_mesh.h>
 #include <selkie/base/log.h>
 #include <selkie/base/timer_tree.h>
 #include <selkie/drivers/run_audit.h>
@@ -59,6 +60,10 @@ namespace selkie
            const double            dt,
            const StepReport<dim>  &report);
 
+    /// After an adaptation of the mesh.
+    void
+    record(const AdaptReport &report);
+
     void
     finish(const ParticleSet<dim> &particles,
            const Stepper<dim>     &stepper,
@@ -89,6 +94,7 @@ namespace selkie
                      const TimeControl                                 &time);
     void
     write_row(const ParticleSet<dim> &particles,
+              const Stepper<dim>     &stepper,
               const TimeControl      &time,
               const double            dt,
               const StepReport<dim>  &report);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <selkie/drivers/kept_numbers.h>
 #include <selkie/drivers/run_audit.h>
 #include <selkie/time/time_control.h>
 
@@ -19,7 +20,7 @@ namespace selkie
   struct RunState
   {
     TimeControl::State time;
-    double             volume_excess = 0; ///< of the stepper
+    KeptNumbers        stepper;
 
     AuditState audit; ///< with the effect `audit`
 
@@ -69,6 +70,7 @@ namespace boost
       ar &e.external_work;
       ar &e.of_reset;
       ar &e.of_volume;
+      ar &e.of_adapting;
     }
 
     template <class Archive>
@@ -102,7 +104,8 @@ namespace boost
     serialize(Archive &ar, selkie::RunState &s, const unsigned int /*version*/)
     {
       ar &s.time;
-      ar &s.volume_excess;
+      ar &s.stepper.volume_excess;
+      ar &s.stepper.moved;
       ar &s.audit;
       ar &s.error;
       ar &s.largest_error;

@@ -3,15 +3,16 @@
 #include <selkie/assembly/assembler.h>
 #include <selkie/assembly/node_release.h>
 #include <selkie/base/timer_tree.h>
+#include <selkie/drivers/kept_numbers.h>
 #include <selkie/drivers/residual_scales.h>
 #include <selkie/drivers/step_report.h>
 #include <selkie/mesh/node_cloud.h>
-#include <selkie/output/checkpoint.h>
 #include <selkie/particles/particle_set.h>
 #include <selkie/shape/lme_support.h>
 #include <selkie/shape/q4_support.h>
 #include <selkie/solver/linear_solver.h>
 #include <selkie/terms/effect_table.h>
+#include <selkie/transfer/carried_fields.h>
 #include <selkie/transfer/nodal_state.h>
 #include <selkie/transfer/recovery_error.h>
 #include <selkie/transfer/transfer.h>
@@ -39,6 +40,12 @@ namespace selkie
             const NodeCloud<dim>                    &cloud,
             TimerTree                               &timers,
             std::function<void(const std::string &)> log);
+
+    /// The same run on a new mesh: @p costs are those of before.
+    void
+    go_on_from(const CarriedFields<dim> &fields,
+               const KeptNumbers        &numbers,
+               const CostLedger         &costs);
 
     /// Gives the points the acceleration that balances the forces at t = 0.
     void
@@ -85,15 +92,14 @@ namespace selkie
     std::map<std::string, const Vector *>
     kept_fields() const;
 
-    /// Goes on from kept_fields() and kept_volume_excess() of an earlier run.
+    /// Goes on from kept_fields() and kept_numbers() of an earlier run.
     void
-    restore(const CheckpointFields<dim> &fields, const double volume_excess);
+    restore(const CarriedFields<dim> &fields, const KeptNumbers &numbers);
 
-    /// Of the volume correction's measure, in the last good step.
-    double
-    kept_volume_excess() const
+    const KeptNumbers &
+    kept_numbers() const
     {
-      return volume_excess;
+      return kept;
     }
 
     const System<dim> &
@@ -173,7 +179,7 @@ namespace selkie
     std::unique_ptr<NodalState<dim>>      nodes;   ///< of a Lagrangian mesh
     Vector                                stored_pressure;
     VolumeCorrection                      volume; ///< of the present step
-    double         volume_excess = 0;             ///< of the last good step
-    ResidualScales scales;                        ///< of the present step
+    KeptNumbers                           kept;   ///< of the last good step
+    ResidualScales                        scales; ///< of the present step
   };
 } // namespace selkie

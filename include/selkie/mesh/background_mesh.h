@@ -21,4 +21,16 @@ namespace selkie
   template <int dim>
   std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
   make_background_mesh(const Domain<dim> &domain, const MPI_Comm comm);
+
+  /// The level of the cells that Domain::cells counts.
+  template <int dim>
+  unsigned int
+  base_level(const Domain<dim> &domain);
+
+  /// The level that the scene's refinements want of a cell, at least.
+  template <int dim>
+  unsigned int
+  refined_level(
+    const Domain<dim>                                               &domain,
+    const typename dealii::Triangulation<dim>::active_cell_iterator &cell);
 } // namespace selkie

@@ -2,6 +2,7 @@
 
 #include <selkie/base/types.h>
 #include <selkie/particles/particle_set.h>
+#include <selkie/transfer/carried_fields.h>
 
 #include <deal.II/dofs/dof_handler.h>
 
@@ -59,14 +60,6 @@ namespace selkie
   FoundCheckpoint
   find_checkpoint(const std::string &directory);
 
-  /// What the nodes kept, as read from a checkpoint.
-  template <int dim>
-  struct CheckpointFields
-  {
-    dealii::DoFHandler<dim>       dofs; ///< FE_Q(1) on the mesh as read
-    std::map<std::string, Vector> values;
-  };
-
   /**
    * Takes mesh, material points and the nodes' fields from a checkpoint, on any
    * number of ranks. The mesh is as make_background_mesh() gave it, the set has
@@ -81,5 +74,5 @@ namespace selkie
   read_checkpoint(const std::string                                 &folder,
                   ParticleSet<dim>                                  &particles,
                   dealii::parallel::distributed::Triangulation<dim> &mesh,
-                  CheckpointFields<dim> &nodal_fields);
+                  CarriedFields<dim> &nodal_fields);
 } // namespace selkie

@@ -63,6 +63,15 @@ namespace selkie
     unsigned int                  offset = absent;
   };
 
+  /// What becomes of a property when points become one; when one becomes
+  /// several, a sum is shared out and all else is theirs as well.
+  enum class Combine
+  {
+    mean, ///< weighted with the reference volume
+    sum,
+    label ///< all of them have the same
+  };
+
   /**
    * What a material point carries, as registered by the active laws and
    * terms. Migration, checkpoint and VTU output follow from this list, so no
@@ -78,6 +87,7 @@ namespace selkie
       unsigned int offset;
       unsigned int n_components;
       bool         output; ///< written to particles.pvd
+      Combine      combine;
     };
 
     /// Registers a column, or returns the one of that name that is there
@@ -86,10 +96,11 @@ namespace selkie
     Column<T>
     add(const std::string &name,
         const std::string &unit,
-        const bool         output = false)
+        const bool         output  = false,
+        const Combine      combine = Combine::mean)
     {
       return Column<T>(
-        place(name, unit, Column<T>::n_components, output).offset);
+        place(name, unit, Column<T>::n_components, output, combine).offset);
     }
 
     /// The column of that name; one that does not exist if nobody asked for it.
@@ -120,7 +131,8 @@ namespace selkie
     place(const std::string &name,
           const std::string &unit,
           const unsigned int n,
-          const bool         output)
+          const bool         output,
+          const Combine      combine)
     {
       for (Entry &entry : list)
         if (entry.name == name)
@@ -132,7 +144,7 @@ namespace selkie
             entry.output |= output;
             return entry;
           }
-      list.push_back({name, unit, n_components(), n, output});
+      list.push_back({name, unit, n_components(), n, output, combine});
       return list.back();
     }
 

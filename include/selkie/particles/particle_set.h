@@ -12,6 +12,7 @@
 
 #include <boost/signals2/connection.hpp>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,7 +45,23 @@ namespace selkie
   struct ParticleAccounting
   {
     unsigned long long seeded = 0, removed = 0, kept_at_wall = 0;
+    unsigned long long split       = 0; ///< points more by splitting
+    unsigned long long merged      = 0; ///< points fewer by merging
     double             seeded_mass = 0, removed_mass = 0;
+
+    /// How many there should be.
+    unsigned long long
+    present() const
+    {
+      return seeded + split - removed - merged;
+    }
+
+    /// The id of the next new point: no id is given twice.
+    dealii::types::particle_index
+    next_id() const
+    {
+      return seeded + split;
+    }
   };
 
   /**
@@ -84,6 +101,29 @@ namespace selkie
     /// built anew.
     void
     rebalance();
+
+    /// Lets @p change refine, coarsen or repartition the mesh, and puts the
+    /// points into their cells again: deal.II's transfer loses some that lie on
+    /// faces. What hangs on the mesh must be built anew.
+    void
+    remesh(const std::function<void()> &change);
+
+    /// A point by itself.
+    struct Record
+    {
+      dealii::types::particle_index id = 0;
+      dealii::Point<dim>            x;
+      std::vector<double>           properties;
+    };
+
+    /// Takes points of this rank out and puts others in, anywhere in the
+    /// domain and of the same mass altogether. Books what became of the number,
+    /// as given for all ranks.
+    void
+    replace(const std::vector<dealii::Particles::ParticleIterator<dim>> &gone,
+            const std::vector<Record>                                   &born,
+            const unsigned long long                                     split,
+            const unsigned long long merged);
 
     /// Throws NumericalFailure, on every rank, when move() would have to: a
     /// displacement is not finite, or a point leaves and the policy is `stop`.

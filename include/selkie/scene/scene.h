@@ -160,6 +160,35 @@ namespace selkie
     std::vector<unsigned int> bodies; ///< empty: all solids
   };
 
+  /// What is done with points that do not fit their cells any more.
+  enum class PointAdaptation
+  {
+    keep,
+    split,
+    split_and_merge
+  };
+
+  /// The effect `adaptivity`: a background mesh that follows the matter. A
+  /// limit of 0 is no criterion.
+  struct Adaptivity
+  {
+    unsigned int steps      = 10; ///< between two adaptations, at most
+    unsigned int finer      = 1;  ///< levels, where a criterion holds
+    unsigned int coarser    = 0;  ///< levels, where none does
+    unsigned int buffer     = 2;  ///< around these cells, in the finest ones
+    unsigned int most_cells = 100000000;
+
+    bool                      surface   = false;
+    bool                      interface = false;
+    std::vector<unsigned int> bodies;
+    double                    strain           = 0;
+    double                    strain_variation = 0; ///< in a cell
+    double          velocity = 0; ///< difference in a cell, of the largest
+    double          pressure = 0; ///< difference in a cell, of the largest
+    double          error    = 0; ///< of a coarser velocity, of the largest
+    PointAdaptation points   = PointAdaptation::split_and_merge;
+  };
+
   /// The effect `traction`: dead load on one face of a box-shaped body.
   template <int dim>
   struct Traction
@@ -311,7 +340,8 @@ namespace selkie
     std::optional<FluidPressure>          fluid_pressure;
     std::vector<Traction<dim>>            tractions;
     std::optional<WallRelease<dim>>       release; ///< wall release
-    bool mixed_solids = false;                     ///< mixed pressure
+    std::optional<Adaptivity>             adaptivity;
+    bool mixed_solids = false; ///< mixed pressure
     /// Walls of which a term wants the wetted faces' Gauss points; those that
     /// are not `slip` have none.
     std::optional<std::array<bool, 2 * dim>> wall_points;

@@ -52,5 +52,7 @@ namespace selkie
   EffectRow
   probes_effect();
   EffectRow
+  adaptivity_effect();
+  EffectRow
   audit_effect();
 } // namespace selkie

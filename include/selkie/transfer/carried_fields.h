@@ -1,0 +1,46 @@
+#pragma once
+
+#include <selkie/base/types.h>
+
+#include <deal.II/dofs/dof_handler.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+namespace selkie
+{
+  /// What nodes keep from step to step, by name, while the mesh changes.
+  template <int dim>
+  struct CarriedFields
+  {
+    dealii::DoFHandler<dim>       dofs; ///< FE_Q(1) on the mesh
+    std::map<std::string, Vector> values;
+
+    /// Copies fields on the nodes of a mesh that @p from numbers.
+    void
+    take(const dealii::Triangulation<dim>            &mesh,
+         const dealii::DoFHandler<dim>               &from,
+         const std::map<std::string, const Vector *> &fields);
+
+    /// Numbers the nodes of the mesh as it is and makes room for the values.
+    /// Collective.
+    void
+    reinit();
+
+    void
+    update_ghosts();
+
+    /// Lets @p change refine, coarsen or repartition the mesh; the values go
+    /// with its cells. At a new node they are interpolated; NaN where one of
+    /// the cell's nodes has none. Collective.
+    void
+    carry_along(const std::function<void()> &change);
+
+    /// The values, for those functions of deal.II that take lists.
+    std::vector<Vector *>
+    pointers();
+    std::vector<const Vector *>
+    const_pointers() const;
+  };
+} // namespace selkie

@@ -1,0 +1,115 @@
+#include <selkie/adapt/adapt_mesh.h>
+#include <selkie/adapt/flag_cells.h>
+#include <selkie/mesh/background_mesh.h>
+#include <selkie/output/audit.h>
+#include <selkie/particles/rearrange.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// The points of the fullest rank over the mean that is put up with.
+    constexpr double most_imbalance = 1.2;
+
+    template <int dim>
+    bool
+    unbalanced(const ParticleSet<dim> &particles)
+    {
+      const MPI_Comm comm  = particles.communicator();
+      const double   n     = particles.handler().n_locally_owned_particles();
+      const double   ranks = Utilities::MPI::n_mpi_processes(comm);
+      return Utilities::MPI::max(n, comm) >
+             most_imbalance * Utilities::MPI::sum(n, comm) / ranks;
+    }
+
+    /// One level towards what is wanted; whether the mesh has changed.
+    template <int dim>
+    bool
+    adapt_once(parallel::distributed::Triangulation<dim> &mesh,
+               ParticleSet<dim>                          &particles,
+               const WantedLevels<dim>                   &wanted,
+               const bool                                 anyway,
+               CarriedFields<dim>                        &fields)
+    {
+      const Domain<dim>   &domain = particles.scene.domain;
+      const Adaptivity    &wishes = *particles.scene.adaptivity;
+      const NodeCloud<dim> nodes(mesh);
+      const unsigned int   lowest = base_level(domain) - wishes.coarser;
+      const CellFlags      flags  = flag_cells<dim>(
+        mesh,
+        nodes,
+        wanted,
+        [&](const typename NodeCloud<dim>::Cell &cell) {
+          return std::max(lowest, refined_level(domain, cell));
+        },
+        wishes.most_cells);
+      if (flags.refined + flags.coarsened == 0 && !anyway)
+        return false;
+      fields.carry_along([&] {
+        particles.remesh([&mesh] { mesh.execute_coarsening_and_refinement(); });
+      });
+      return true;
+    }
+  } // namespace
+
+
+  template <int dim>
+  AdaptReport
+  adapt_mesh(parallel::distributed::Triangulation<dim> &mesh,
+             ParticleSet<dim>                          &particles,
+             const NodeCloud<dim>                      &cloud,
+             const NodalView<dim>                      &nodes,
+             CarriedFields<dim>                        &fields)
+  {
+    const Adaptivity       &wishes = *particles.scene.adaptivity;
+    const WantedLevels<dim> wanted(wanted_parts(particles, cloud, nodes),
+                                   particles.communicator());
+    AdaptReport             report;
+    bool                    anyway = unbalanced(particles);
+    for (unsigned int pass = 0; pass <= wishes.finer + wishes.coarser; ++pass)
+      {
+        if (!adapt_once(mesh, particles, wanted, anyway, fields))
+          break;
+        report.changed = true;
+        anyway         = false;
+      }
+    if (wishes.points == PointAdaptation::keep)
+      return report;
+    const double before = audit(particles).energy();
+    const auto   moved =
+      rearrange(particles,
+                true,
+                wishes.points == PointAdaptation::split_and_merge);
+    if (moved.split + moved.merged > 0)
+      report.energy = audit(particles).energy() - before;
+    return report;
+  }
+
+
+  template <int dim>
+  double
+  finest_spacing(const Domain<dim> &domain, const Adaptivity &wishes)
+  {
+    double h = std::numeric_limits<double>::max();
+    for (unsigned int d = 0; d < dim; ++d)
+      h = std::min(h, (domain.upper[d] - domain.lower[d]) / domain.cells[d]);
+    return std::ldexp(h, -int(wishes.finer));
+  }
+
+
+#define INSTANTIATE(dim)                                                       \
+  template AdaptReport adapt_mesh(parallel::distributed::Triangulation<dim> &, \
+                                  ParticleSet<dim> &,                          \
+                                  const NodeCloud<dim> &,                      \
+                                  const NodalView<dim> &,                      \
+                                  CarriedFields<dim> &);                       \
+  template double      finest_spacing(const Domain<dim> &, const Adaptivity &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
+} // namespace selkie

@@ -1,0 +1,352 @@
+#include <selkie/adapt/criteria.h>
+#include <selkie/mesh/background_mesh.h>
+#include <selkie/mesh/cell_locator.h>
+#include <selkie/shape/occupancy.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// A cell that holds points, and by how much it exceeds the limits of the
+    /// criteria: 1 is at the limit.
+    template <int dim>
+    struct OccupiedCell
+    {
+      typename NodeCloud<dim>::Cell cell;
+      double                        excess = 0;
+    };
+
+    /// The figures of the cells that a criterion limits, relative to a scale of
+    /// the whole scene; or absolute ones.
+    template <int dim>
+    void
+    limit(std::vector<OccupiedCell<dim>> &cells,
+          const std::vector<double>      &figures,
+          const double                    most)
+    {
+      if (most <= 0.)
+        return;
+      for (unsigned int i = 0; i < cells.size(); ++i)
+        cells[i].excess = std::max(cells[i].excess, figures[i] / most);
+    }
+
+    /// The cells with points, in the order of the points.
+    template <int dim>
+    std::vector<OccupiedCell<dim>>
+    occupied_cells(const ParticleSet<dim> &particles)
+    {
+      std::vector<OccupiedCell<dim>> cells;
+      for (const auto &point : particles.handler())
+        {
+          const typename NodeCloud<dim>::Cell cell =
+            point.get_surrounding_cell();
+          if (cells.empty() || cells.back().cell != cell)
+            cells.push_back({cell, 0.});
+        }
+      return cells;
+    }
+
+    /// Calls action(i, properties) for every point, i being its cell's place.
+    template <int dim, typename Action>
+    void
+    for_each_point(const ParticleSet<dim>               &particles,
+                   const std::vector<OccupiedCell<dim>> &cells,
+                   const Action                         &action)
+    {
+      unsigned int i = 0;
+      for (const auto &point : particles.handler())
+        {
+          if (typename NodeCloud<dim>::Cell(point.get_surrounding_cell()) !=
+              cells[i].cell)
+            ++i;
+          action(i, point.get_properties());
+        }
+    }
+
+    /// Cells with a corner that some empty cell shares.
+    template <int dim>
+    void
+    mark_surface(const NodeCloud<dim>           &cloud,
+                 std::vector<OccupiedCell<dim>> &cells)
+    {
+      Vector around(cloud.partitioner());
+      for (const auto &one : cells)
+        for (const unsigned int node : cloud.corners(one.cell))
+          around.local_element(node) += 1.;
+      around.compress(VectorOperation::add);
+      around.update_ghost_values();
+      for (auto &one : cells)
+        for (const unsigned int node : cloud.corners(one.cell))
+          if (around.local_element(node) < cloud.n_cells_around(node))
+            one.excess = std::max(one.excess, 1.);
+    }
+
+    /// Cells with a corner that several phases share.
+    template <int dim>
+    void
+    mark_interface(const ParticleSet<dim>         &particles,
+                   const NodeCloud<dim>           &cloud,
+                   std::vector<OccupiedCell<dim>> &cells)
+    {
+      const auto occupancy = find_occupancy(particles, cloud, false);
+      for (auto &one : cells)
+        for (const unsigned int node : cloud.corners(one.cell))
+          {
+            const unsigned int phases = occupancy.active[node];
+            if ((phases & (phases - 1)) != 0)
+              one.excess = std::max(one.excess, 1.);
+          }
+    }
+
+    template <int dim>
+    void
+    mark_bodies(const ParticleSet<dim>         &particles,
+                std::vector<OccupiedCell<dim>> &cells)
+    {
+      const auto &bodies = particles.scene.adaptivity->bodies;
+      for_each_point(
+        particles, cells, [&](const unsigned int i, const auto &mine) {
+          const auto body =
+            static_cast<unsigned int>(particles.columns.body(mine));
+          if (std::find(bodies.begin(), bodies.end(), body) != bodies.end())
+            cells[i].excess = std::max(cells[i].excess, 1.);
+        });
+    }
+
+    /// Green's strain.
+    template <int dim>
+    Tensor<2, dim>
+    strain(const Tensor<2, dim> &F)
+    {
+      return 0.5 * (transpose(F) * F - unit_symmetric_tensor<dim>());
+    }
+
+    /// The largest strain of the solids' points in each cell, and the largest
+    /// difference of a point's strain from their mean.
+    template <int dim>
+    void
+    limit_strain(const ParticleSet<dim>         &particles,
+                 std::vector<OccupiedCell<dim>> &cells)
+    {
+      const auto               &wishes = *particles.scene.adaptivity;
+      std::vector<double>       largest(cells.size()), variation(cells.size());
+      std::vector<unsigned int> n(cells.size());
+      std::vector<Tensor<2, dim>> mean(cells.size());
+      const auto                  for_each_strain = [&](const auto &action) {
+        for_each_point(
+          particles, cells, [&](const unsigned int i, const auto &mine) {
+            const auto body =
+              static_cast<unsigned int>(particles.columns.body(mine));
+            if (particles.scene.bodies[body].law->phase() == Phase::solid)
+              action(i, strain(particles.columns.F(mine)));
+          });
+      };
+      for_each_strain([&](const unsigned int i, const Tensor<2, dim> &E) {
+        largest[i] = std::max(largest[i], E.norm());
+        mean[i] += E;
+        ++n[i];
+      });
+      for_each_strain([&](const unsigned int i, const Tensor<2, dim> &E) {
+        variation[i] = std::max(variation[i], (E - mean[i] / n[i]).norm());
+      });
+      limit(cells, largest, wishes.strain);
+      limit(cells, variation, wishes.strain_variation);
+    }
+
+    /// The largest value of all nodes of all ranks.
+    template <int dim, typename Value>
+    double
+    largest_of_nodes(const NodeCloud<dim> &cloud, const Value &value)
+    {
+      double largest = 0.;
+      for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+        largest = std::max(largest, std::abs(value(node)));
+      return Utilities::MPI::max(largest,
+                                 cloud.partitioner()->get_mpi_communicator());
+    }
+
+    template <int dim>
+    Tensor<1, dim>
+    velocity_of(const NodalView<dim> &nodes, const unsigned int node)
+    {
+      Tensor<1, dim> v;
+      for (unsigned int d = 0; d < dim; ++d)
+        v[d] = (*nodes.velocity)[d].local_element(node);
+      return v;
+    }
+
+    /// The largest difference between two corners of each cell.
+    template <int dim, typename Difference>
+    std::vector<double>
+    differences(const NodeCloud<dim>                 &cloud,
+                const NodalView<dim>                 &nodes,
+                const std::vector<OccupiedCell<dim>> &cells,
+                const Difference                     &difference)
+    {
+      std::vector<double> figures;
+      for (const auto &one : cells)
+        {
+          double     largest = 0.;
+          const auto corners = cloud.corners(one.cell);
+          for (const unsigned int a : corners)
+            for (const unsigned int b : corners)
+              if (a < b && nodes.mass->local_element(a) > 0. &&
+                  nodes.mass->local_element(b) > 0.)
+                largest = std::max(largest, difference(a, b));
+          figures.push_back(largest);
+        }
+      return figures;
+    }
+
+    template <int dim>
+    void
+    limit_velocity(const NodeCloud<dim>           &cloud,
+                   const NodalView<dim>           &nodes,
+                   const double                    most,
+                   std::vector<OccupiedCell<dim>> &cells)
+    {
+      const double scale =
+        largest_of_nodes(cloud, [&nodes](const unsigned int node) {
+          return velocity_of(nodes, node).norm();
+        });
+      limit(cells,
+            differences(
+              cloud,
+              nodes,
+              cells,
+              [&nodes](const unsigned int a, const unsigned int b) {
+                return (velocity_of(nodes, a) - velocity_of(nodes, b)).norm();
+              }),
+            most * scale);
+    }
+
+    template <int dim>
+    void
+    limit_pressure(const NodeCloud<dim>           &cloud,
+                   const NodalView<dim>           &nodes,
+                   const double                    most,
+                   std::vector<OccupiedCell<dim>> &cells)
+    {
+      const auto value = [&nodes](const unsigned int node) {
+        return nodes.pressure->local_element(node);
+      };
+      limit(cells,
+            differences(cloud,
+                        nodes,
+                        cells,
+                        [&value](const unsigned int a, const unsigned int b) {
+                          return std::abs(value(a) - value(b));
+                        }),
+            most * largest_of_nodes(cloud, value));
+    }
+
+    /// What the cell's parent would miss of the velocity: its value in the
+    /// centre less the mean of the corners. 0 where the parent's children are
+    /// not all there, or not all in use.
+    template <int dim>
+    double
+    missed_by_parent(const NodeCloud<dim>                &cloud,
+                     const NodalView<dim>                &nodes,
+                     const typename NodeCloud<dim>::Cell &cell)
+    {
+      constexpr unsigned int n = 1u << dim;
+      if (cell->level() == 0)
+        return 0.;
+      const auto     parent = cell->parent();
+      Tensor<1, dim> miss;
+      for (unsigned int c = 0; c < n; ++c)
+        {
+          const auto child = parent->child(c);
+          if (!child->is_active() || !child->is_locally_owned())
+            return 0.;
+          const auto corners = cloud.corners(child);
+          for (const unsigned int node : {corners[c], corners[n - 1 - c]})
+            if (nodes.mass->local_element(node) <= 0.)
+              return 0.;
+          miss += (velocity_of(nodes, corners[n - 1 - c]) -
+                   velocity_of(nodes, corners[c])) /
+                  n;
+        }
+      return miss.norm();
+    }
+
+    template <int dim>
+    void
+    limit_error(const NodeCloud<dim>           &cloud,
+                const NodalView<dim>           &nodes,
+                const double                    most,
+                std::vector<OccupiedCell<dim>> &cells)
+    {
+      const double scale =
+        largest_of_nodes(cloud, [&nodes](const unsigned int node) {
+          return velocity_of(nodes, node).norm();
+        });
+      std::vector<double> figures;
+      for (const auto &one : cells)
+        figures.push_back(missed_by_parent(cloud, nodes, one.cell));
+      limit(cells, figures, most * scale);
+    }
+
+    /// The box of a cell with so much around it (m).
+    template <int dim>
+    BoundingBox<dim>
+    box_around(const typename NodeCloud<dim>::Cell &cell, const double buffer)
+    {
+      auto box = cell->bounding_box();
+      box.extend(buffer);
+      return box;
+    }
+  } // namespace
+
+
+  template <int dim>
+  std::vector<typename WantedLevels<dim>::Part>
+  wanted_parts(const ParticleSet<dim> &particles,
+               const NodeCloud<dim>   &cloud,
+               const NodalView<dim>   &nodes)
+  {
+    const auto &wishes = *particles.scene.adaptivity;
+    auto        cells  = occupied_cells(particles);
+    if (wishes.surface)
+      mark_surface(cloud, cells);
+    if (wishes.interface)
+      mark_interface(particles, cloud, cells);
+    if (!wishes.bodies.empty())
+      mark_bodies(particles, cells);
+    if (wishes.strain > 0. || wishes.strain_variation > 0.)
+      limit_strain(particles, cells);
+    if (nodes.velocity != nullptr && wishes.velocity > 0.)
+      limit_velocity(cloud, nodes, wishes.velocity, cells);
+    if (nodes.pressure != nullptr && wishes.pressure > 0.)
+      limit_pressure(cloud, nodes, wishes.pressure, cells);
+    if (nodes.velocity != nullptr && wishes.error > 0.)
+      limit_error(cloud, nodes, wishes.error, cells);
+
+    const auto  &domain = particles.scene.domain;
+    const auto   finest = base_level(domain) + wishes.finer;
+    const double buffer = wishes.buffer * (domain.upper[0] - domain.lower[0]) /
+                          domain.cells[0] / std::pow(2., wishes.finer);
+    std::vector<typename WantedLevels<dim>::Part> parts;
+    for (const auto &one : cells)
+      {
+        const bool fine =
+          static_cast<unsigned int>(one.cell->level()) >= finest;
+        if (one.excess >= (fine ? 0.5 : 1.))
+          parts.push_back({box_around<dim>(one.cell, buffer), finest});
+      }
+    return parts;
+  }
+
+
+#define INSTANTIATE(dim)                                               \
+  template std::vector<typename WantedLevels<dim>::Part> wanted_parts( \
+    const ParticleSet<dim> &, const NodeCloud<dim> &, const NodalView<dim> &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
+} // namespace selkie

@@ -1,0 +1,90 @@
+#include <selkie/transfer/carried_fields.h>
+
+#include <deal.II/distributed/solution_transfer.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  template <int dim>
+  void
+  CarriedFields<dim>::take(const Triangulation<dim>                    &mesh,
+                           const DoFHandler<dim>                       &from,
+                           const std::map<std::string, const Vector *> &fields)
+  {
+    dofs.reinit(mesh);
+    values.clear();
+    for (const auto &[name, field] : fields)
+      values[name];
+    reinit();
+    AssertThrow(dofs.locally_owned_dofs() == from.locally_owned_dofs(),
+                ExcInternalError()); // numbered alike: same mesh, same element
+    for (const auto &[name, field] : fields)
+      values[name].copy_locally_owned_data_from(*field);
+    update_ghosts();
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::reinit()
+  {
+    dofs.distribute_dofs(FE_Q<dim>(1));
+    IndexSet relevant;
+    DoFTools::extract_locally_relevant_dofs(dofs, relevant);
+    for (auto &[name, field] : values)
+      field.reinit(dofs.locally_owned_dofs(),
+                   relevant,
+                   dofs.get_communicator());
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::update_ghosts()
+  {
+    for (auto &[name, field] : values)
+      field.update_ghost_values();
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::carry_along(const std::function<void()> &change)
+  {
+    if (values.empty())
+      {
+        change();
+        return;
+      }
+    parallel::distributed::SolutionTransfer<dim, Vector> transfer(dofs);
+    transfer.prepare_for_coarsening_and_refinement(const_pointers());
+    change();
+    reinit();
+    auto list = pointers();
+    transfer.interpolate(list);
+    update_ghosts();
+  }
+
+  template <int dim>
+  std::vector<Vector *>
+  CarriedFields<dim>::pointers()
+  {
+    std::vector<Vector *> list;
+    for (auto &[name, field] : values)
+      list.push_back(&field);
+    return list;
+  }
+
+  template <int dim>
+  std::vector<const Vector *>
+  CarriedFields<dim>::const_pointers() const
+  {
+    std::vector<const Vector *> list;
+    for (const auto &[name, field] : values)
+      list.push_back(&field);
+    return list;
+  }
+
+  template struct CarriedFields<2>;
+  template struct CarriedFields<3>;
+} // namespace selkie
