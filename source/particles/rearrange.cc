@@ -22,7 +22,7 @@ namespace selkie
     constexpr double large = 1.55;
     /// Those that are smaller than this may be merged: one from a cell half as
     /// wide has 0.5.
-    constexpr double small = 0.75;
+    constexpr double small = 0.74;
     /// Merged points have this volume at most, in lattice cells.
     constexpr double full = 1.3;
 
