@@ -26,6 +26,24 @@ namespace selkie
           action(cell);
     }
 
+    /// The level of a cell by what is wanted there. What is fine stays so while
+    /// something as fine is wanted within the cell's own width: matter that
+    /// goes to and fro does not take the mesh with it.
+    template <int dim>
+    unsigned int
+    wish(const Cell<dim>         &cell,
+         const WantedLevels<dim> &wanted,
+         const unsigned int       least)
+    {
+      const unsigned int level = cell->level();
+      auto               box   = cell->bounding_box();
+      const unsigned int here  = std::max(least, wanted.level(box));
+      if (here >= level)
+        return here;
+      box.extend(box.side_length(0));
+      return std::clamp(wanted.level(box), here, level);
+    }
+
     /// What each cell wants by itself: one level up or down at most.
     template <int dim>
     Targets
@@ -37,10 +55,9 @@ namespace selkie
       Targets targets(mesh.n_active_cells());
       for_owned(mesh, [&](const Cell<dim> &cell) {
         const unsigned int level = cell->level();
-        const unsigned int wish =
-          std::max(least_level(cell), wanted.level(cell->bounding_box()));
         targets[cell->active_cell_index()] =
-          std::clamp(wish, level > 0 ? level - 1 : 0, level + refines);
+          std::clamp(wish(cell, wanted, least_level(cell)),
+                     level > 0 ? level - 1 : 0, level + refines);
       });
       return targets;
     }

@@ -109,18 +109,21 @@ namespace selkie
                                             });
     }
 
+    /// Whether it is time, or a point could leave the buffer in the next step.
+    /// @param speed largest (m/s)
     template <int dim>
     bool
     adapts_now(const Scene<dim>   &scene,
                const Stepper<dim> &stepper,
+               const double        speed,
                const TimeControl  &time)
     {
       if (!scene.adaptivity || time.at_end())
         return false;
       const Adaptivity &wishes = *scene.adaptivity;
+      const double next = stepper.kept_numbers().moved + speed * time.step();
       return time.number() % wishes.steps == 0 ||
-             stepper.kept_numbers().moved >
-               0.5 * wishes.buffer * finest_spacing(scene.domain, wishes);
+             next > wishes.buffer * finest_spacing(scene.domain, wishes);
     }
 
     /// Adapts the mesh to the matter after a step of size @p dt. Cloud and
@@ -252,7 +255,7 @@ namespace selkie
         const double dt = time.step();
         time.advance(report.largest_speed, report.time_error);
         output.record(particles, *stepper, time, dt, report);
-        if (adapts_now(scene, *stepper, time))
+        if (adapts_now(scene, *stepper, report.largest_speed, time))
           output.record(adapt(*setup, stepper, dt, timers, log));
         output.keep(particles, *stepper, *setup->mesh, time);
       }

@@ -68,8 +68,8 @@ namespace selkie
         prm.add_parameter("Steps",
                           wishes.steps,
                           "The mesh is adapted after so many steps, or before, "
-                          "when a point may have moved through half of the "
-                          "buffer. Units: none.",
+                          "when a point might leave the buffer in the next. "
+                          "Units: none.",
                           Patterns::Integer(1));
         prm.add_parameter("Finer levels",
                           wishes.finer,
