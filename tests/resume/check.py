@@ -21,6 +21,11 @@ BENCHMARKS = ROOT / "prm" / "benchmarks"
 SCENES = {  # file, what makes it small; each carries something else along
     "dam_break": (BENCHMARKS / "dam_break.prm",  # pressure, Gauss points, volume correction
                   ["Time/End time=0.04", "Output/Interval=0.01"]),
+    "adaptive": (BENCHMARKS / "dam_break.prm",  # another mesh, points with new ids
+                 ["Time/End time=0.04", "Output/Interval=0.01",
+                  "Effects=inertia, gravity, viscosity, probes, adaptivity",
+                  "Adaptivity/Surface=true", "Adaptivity/Steps=7",
+                  "Adaptivity/Coarser levels=1", "Adaptivity/Buffer=1"]),
     "cantilever": (BENCHMARKS / "cantilever.prm",  # F, lambda, tip probe
                    ["Time/End time=0.3", "Output/Interval=0.05"]),
     "membrane": (BENCHMARKS / "cook_membrane.prm", []),  # nodes of finite elements, static
@@ -65,7 +70,7 @@ def largest_difference(a, b):
     (names, *a), (other_names, *b) = csv.reader(a.splitlines()), csv.reader(b.splitlines())
     expect(names == other_names and len(a) == len(b), f"the same {len(a)} rows and {len(names)} columns")
     for i, name in enumerate(names):
-        if "iterations" in name:
+        if "iterations" in name or "imbalance" in name:
             continue
         column = [(float(r[i]), float(s[i])) for r, s in zip(a, b)]
         scale = max((abs(x) for pair in column for x in pair if x == x), default=0.) or 1.
@@ -105,12 +110,13 @@ def same_ranks(program, folder, scene="dam_break"):
 
 
 def other_ranks(program, folder, scene="dam_break"):
-    """From one rank to two and three: to 1e-8."""
+    """From one rank to two and three: to 1e-8. On an adaptive mesh one rank, too,
+    gets its cells in another order from the checkpoint: not to the last digit."""
     settings = ("Output/Checkpoint steps=5", "Linear solver/Loosest tolerance=1e-10",
                 "Linear solver/Tolerance=1e-10", "Newton/Tolerance=1e-11")
     expect(run(program, scene, folder / "whole", *settings)[0] == 0, "the whole run on one rank")
     steps = sorted(p.name for p in (folder / "whole/checkpoint").iterdir() if p.is_dir())
-    for ranks in (2, 3):
+    for ranks in (1, 2, 3) if scene == "adaptive" else (2, 3):
         half = folder / f"half{ranks}"
         shutil.copytree(folder / "whole", half)
         (half / "checkpoint/last_good").write_text(steps[0])
