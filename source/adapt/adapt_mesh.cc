@@ -27,6 +27,26 @@ namespace selkie
              most_imbalance * Utilities::MPI::sum(n, comm) / ranks;
     }
 
+    /// Splits and merges points until they fit their cells: a split halves
+    /// them once, and the mesh may have become finer by several levels. Whether
+    /// there was anything to do.
+    template <int dim>
+    bool
+    fit_points(ParticleSet<dim> &particles)
+    {
+      const Adaptivity &wishes = *particles.scene.adaptivity;
+      const bool merges = wishes.points == PointAdaptation::split_and_merge;
+      bool       any    = false;
+      for (unsigned int i = 0; i <= wishes.finer + wishes.coarser; ++i)
+        {
+          const auto done = rearrange(particles, true, merges);
+          any             = any || done.split + done.merged > 0;
+          if (done.split + done.merged == 0)
+            break;
+        }
+      return any;
+    }
+
     /// One level towards what is wanted; whether the mesh has changed.
     template <int dim>
     bool
@@ -81,11 +101,7 @@ namespace selkie
     if (wishes.points == PointAdaptation::keep)
       return report;
     const double before = audit(particles).energy();
-    const auto   moved =
-      rearrange(particles,
-                true,
-                wishes.points == PointAdaptation::split_and_merge);
-    if (moved.split + moved.merged > 0)
+    if (fit_points(particles))
       report.energy = audit(particles).energy() - before;
     return report;
   }

@@ -155,7 +155,11 @@ namespace selkie
         variation[i] = std::max(variation[i], (E - mean[i] / n[i]).norm());
       });
       limit(cells, largest, wishes.strain);
-      limit(cells, variation, wishes.strain_variation);
+      double scale = 0.;
+      for (const double strain : largest)
+        scale = std::max(scale, strain);
+      scale = Utilities::MPI::max(scale, particles.communicator());
+      limit(cells, variation, wishes.strain_variation * scale);
     }
 
     /// The largest value of all nodes of all ranks.

@@ -133,7 +133,7 @@ namespace selkie
         add_limit("Strain variation",
                   wishes.strain_variation,
                   "Norm of the difference between a point's strain and the "
-                  "mean of its cell.");
+                  "mean of its cell, of the largest strain.");
         add_limit("Velocity difference",
                   wishes.velocity,
                   "Between corners of a cell, of the largest speed.");
