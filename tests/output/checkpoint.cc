@@ -8,6 +8,7 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "../small_scenes.h"
@@ -236,6 +237,39 @@ TEST(CheckpointMPI, KeepsTheLastTwoAndTheRunGoesOn)
   EXPECT_FALSE(std::filesystem::exists(checkpoints + "000010"));
   EXPECT_TRUE(std::filesystem::exists(checkpoints + "000020"));
   EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "000030");
+}
+
+TEST(CheckpointMPI, OrderBeyondAMillionSteps)
+{
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  Matter<2>             matter(two_blocks<2>());
+  const NodeCloud<2>    cloud(*matter.mesh);
+  for (const unsigned int step : {999990, 1000000, 1000010})
+    write_checkpoint(folder.path,
+                     matter.scene,
+                     matter.particles,
+                     *matter.mesh,
+                     cloud.dof_handler(),
+                     {},
+                     1e-3 * step,
+                     step,
+                     1e-3);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string checkpoints = folder.path + "/checkpoint/";
+  EXPECT_FALSE(std::filesystem::exists(checkpoints + "999990"));
+  EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "1000010");
+
+  // From 999990, as a run that was killed leaves them: a later checkpoint
+  // without its mark, an earlier one, and a folder of somebody else.
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    {
+      std::filesystem::rename(checkpoints + "1000000", checkpoints + "999990");
+      std::filesystem::create_directory(checkpoints + "1 kept by hand");
+      std::ofstream(checkpoints + "last_good") << "999990";
+    }
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "999990");
 }
 
 TEST(CheckpointMPI, RefusesAnotherScene)
