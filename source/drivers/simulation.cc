@@ -103,16 +103,17 @@ namespace selkie
     FoundCheckpoint found;
     if (resumed)
       found = find_checkpoint(scene.output.directory);
-    Log            log(comm);
-    TimerTree      timers(comm);
+    Log       log(comm);
+    TimerTree timers(comm);
+    // The last that may refuse the scene: before the output is touched.
+    auto  setup     = timed(timers, "set-up", [&] {
+      return std::make_unique<Setup<dim>>(scene, comm, found.folder);
+    });
+    auto &particles = setup->particles;
+
     RunOutput<dim> output(scene, comm, log, timers, resumed);
     if (!found.damage.empty())
       log.line("          passed over a damaged checkpoint: " + found.damage);
-
-    auto         setup     = timed(timers, "set-up", [&] {
-      return std::make_unique<Setup<dim>>(scene, comm, found.folder);
-    });
-    auto        &particles = setup->particles;
     Stepper<dim> stepper(
       scene, particles, *setup->cloud, timers, [&log](const std::string &text) {
         log.line("  " + text);
