@@ -1,4 +1,5 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/drivers/energy_jump.h>
 #include <selkie/drivers/residual_report.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/laws/volumetric_law.h>
@@ -316,8 +317,10 @@ namespace selkie
       estimate_time_error(
         unknowns, fields, time.newmark, *scene.inertia, report);
     TimerTree::Scope scope(timers, "update");
-    report.reset_energy =
-      advance(particles, table, unknowns, time.newmark, fields).reset_energy;
+    PointUpdate<dim> update(particles, table, unknowns, time.newmark, fields);
+    if (scene.time.largest_energy_jump > 0.)
+      check_energy_jump(update, report, unbalanced_work());
+    report.reset_energy = update.write();
     if (nodes)
       nodes->keep(unknowns, time.newmark, fields);
     if (scene.has_pressure())
@@ -326,6 +329,18 @@ namespace selkie
     if (release)
       release->end_step();
     return report;
+  }
+
+  /// The work that forces within Newton's tolerance may do in the step (J).
+  template <int dim>
+  double
+  Stepper<dim>::unbalanced_work() const
+  {
+    double sum = 0.;
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      sum += fields.x.local_element(i) * fields.x.local_element(i);
+    return scene.newton.tolerance * scales.u *
+           std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
   }
 
   /// Newton, and again while walls let nodes go or catch them. The residual is

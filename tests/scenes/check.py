@@ -257,6 +257,27 @@ def spinning_plate(selkie, folder):
     check("max J - 1", worst(s["max J"], 1), 5e-3)
 
 
+def energy_jump(selkie, folder):
+    """A plate that turns by 0.8 rad a step, which the trapezoidal rule answers with energy:
+    with a limit such steps are taken again, and by the statistics none is left."""
+    limit = 0.1
+    settings = ["Approximation=q4 fem", "Domain/Cells=16, 16", "Bodies/plate/Initial velocity=-10*y; 10*x",
+                "Time/Step=0.08", "Time/End time=0.4"]
+
+    def largest(s):
+        energy = [kinetic + strain for kinetic, strain in zip(s["kinetic energy"], s["strain energy"])]
+        return max((after - before) / max(before, after) for before, after in zip(energy, energy[1:]))
+
+    loose = run(selkie, HERE / "spinning_plate.prm", folder / "loose", settings)
+    check("limit / largest gain of a step without it", limit / largest(loose), 0.5)
+    check("cuts without it", loose["step cuts"][-1], 0)
+    strict = run(selkie, HERE / "spinning_plate.prm", folder / "strict", [*settings, f"Time/Largest energy jump={limit}"])
+    check("largest gain of a step over the limit", largest(strict) / limit, 1)
+    check("1 / cuts", 1 / max(strict["step cuts"][-1], 1e-9), 1)
+    said = (folder / "strict" / "log.txt").read_text()
+    check("cuts that log.txt does not explain", strict["step cuts"][-1] - said.count("from nothing"), 0)
+
+
 def bar(selkie, folder, cells, scene="vibrating_bar.prm", v0=1e-3, end=20, settings=()):
     """Period error, velocity error and energy drift of the vibrating bar."""
     h = 25 / cells

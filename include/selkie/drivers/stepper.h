@@ -149,6 +149,8 @@ namespace selkie
     choose_first_guess(const StepTime &time);
     double
     acceleration_scale() const;
+    double
+    unbalanced_work() const;
     void
     collect(const StepTime &time, const Vector &residual, StepReport<dim> &);
     Newmark
