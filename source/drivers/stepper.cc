@@ -23,11 +23,12 @@ namespace selkie
     , particles(particles)
     , cloud(cloud)
     , timers(timers)
+    , log(log)
     , conditions(scene, cloud)
     , terms(terms_of(scene))
     , unknowns(cloud, conditions, scene.pressure_phases())
     , assembler(terms, unknowns)
-    , linear_solver(scene.linear_solver, std::move(log))
+    , linear_solver(scene.linear_solver, log)
   {
     if (scene.has_pressure())
       {
@@ -440,23 +441,40 @@ namespace selkie
       nodes->set_acceleration(unknowns, a_0);
   }
 
-  /// M a = -residual in the free displacements, with the mass of the scene.
+  /// M a = -residual in the free displacements, with the mass of the scene. The
+  /// consistent mass of fewer points than nodes is singular, and such a body
+  /// starts with the lumped one.
   template <int dim>
   void
   Stepper<dim>::solve_mass(const StepTime &time,
                            const Vector   &residual,
                            Vector         &a)
   {
-    const unsigned int n_u   = unknowns.n_owned_displacements();
-    const auto         force = [&](const unsigned int i) {
-      return unknowns.held(i) ? 0. : -residual.local_element(i);
-    };
-    if (scene.inertia->mass == MassKind::lumped)
-      {
-        for (unsigned int i = 0; i < n_u; ++i)
-          a.local_element(i) = force(i) / fields.mass.local_element(i);
-        return;
-      }
+    if (scene.inertia->mass == MassKind::consistent)
+      try
+        {
+          solve_consistent_mass(time, residual, a);
+          return;
+        }
+      catch (const LinearSolverFailure &failure)
+        {
+          log("Consistent mass: " + std::string(failure.what()) +
+              "; the acceleration at the start is that of the lumped mass");
+        }
+    a = 0.;
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      if (!unknowns.held(i))
+        a.local_element(i) =
+          -residual.local_element(i) / fields.mass.local_element(i);
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::solve_consistent_mass(const StepTime &time,
+                                      const Vector   &residual,
+                                      Vector         &a)
+  {
+    const unsigned int n_u = unknowns.n_owned_displacements();
     // The tangent of the inertia alone is alpha1 M; pressures have no mass.
     typename Assembler<dim>::Terms inertia;
     for (const auto &term : terms)
@@ -467,7 +485,8 @@ namespace selkie
       .assemble(table, time, fields, 1., true, rhs);
     rhs = 0.;
     for (unsigned int i = 0; i < n_u; ++i)
-      rhs.local_element(i) = time.newmark.alpha1 * force(i);
+      if (!unknowns.held(i))
+        rhs.local_element(i) = -time.newmark.alpha1 * residual.local_element(i);
     for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
       {
         const auto row = unknowns.partitioner()->local_to_global(i);

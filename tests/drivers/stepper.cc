@@ -33,7 +33,9 @@ namespace
       else
         cloud = std::make_unique<NodeCloud<2>>(*mesh);
       stepper = std::make_unique<Stepper<2>>(
-        scene, particles, *cloud, timers, [](const std::string &) {});
+        scene, particles, *cloud, timers, [this](const std::string &line) {
+          said += line + '\n';
+        });
       stepper->start(0., scene.time.step);
     }
 
@@ -43,6 +45,7 @@ namespace
     TimerTree                                                        timers;
     std::unique_ptr<NodeCloud<2>>                                    cloud;
     std::unique_ptr<Stepper<2>>                                      stepper;
+    std::string                                                      said;
   };
 
   /// The exponent p of e_{k+1} ~ e_k^p, from the last three errors of which
@@ -271,4 +274,17 @@ TEST(Stepper, ConsistentMassStartsWithTheExactAcceleration)
   EXPECT_LT(worst_start_acceleration({"Inertia/Mass=consistent"}), 1e-10);
   // The lumped mass smooths it at the bar's ends.
   EXPECT_GT(worst_start_acceleration({"Inertia/Mass=lumped"}), 1e-3);
+}
+
+TEST(Stepper, FewerPointsThanNodesStartWithTheLumpedMass)
+{
+  // Viscous stresses, which no acceleration of the points alone balances.
+  Scenario run(small_scenes::fluid_on_solid(),
+               {"Inertia/Mass=consistent",
+                "Bodies/water/Points per direction=1",
+                "Bodies/bed/Points per direction=1"});
+  EXPECT_NE(run.said.find("lumped mass"), std::string::npos) << run.said;
+  for (const auto &point : run.particles.handler())
+    EXPECT_LT(run.particles.columns.a(point.get_properties()).norm(), 100.);
+  EXPECT_NO_THROW(run.stepper->step(0., 2e-3));
 }

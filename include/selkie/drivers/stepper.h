@@ -34,6 +34,7 @@ namespace selkie
   class Stepper
   {
   public:
+    /// @param log takes one line for each fall-back
     Stepper(const Scene<dim>                        &scene,
             ParticleSet<dim>                        &particles,
             const NodeCloud<dim>                    &cloud,
@@ -140,6 +141,10 @@ namespace selkie
     void
     solve_mass(const StepTime &time, const Vector &residual, Vector &a);
     void
+    solve_consistent_mass(const StepTime &time,
+                          const Vector   &residual,
+                          Vector         &a);
+    void
     prepare_conditions(const double t);
     NewtonResult
     solve(const StepTime &time, Vector &residual);
@@ -160,6 +165,7 @@ namespace selkie
     ParticleSet<dim>                                   &particles;
     const NodeCloud<dim>                               &cloud;
     TimerTree                                          &timers;
+    const std::function<void(const std::string &)>      log;
     NodeConditions<dim>                                 conditions;
     const std::vector<std::shared_ptr<const Term<dim>>> terms;
 
