@@ -30,6 +30,13 @@ namespace selkie
       return entries;
     }
 
+    /// The first multiple of an interval after a time (s).
+    double
+    next_multiple(const double interval, const double time)
+    {
+      return interval * (std::floor(time / interval) + 1.);
+    }
+
     template <int dim>
     NodeMotion<dim>
     node_motion(const Stepper<dim> &stepper)
@@ -172,8 +179,8 @@ namespace selkie
           TimerTree::Scope scope(timers, recording.recorder->name());
           const double     interval = recording.recorder->interval();
           recording.recorder->record(time, walls, node_motion(stepper));
-          while (interval > 0. && recording.next <= time + slack)
-            recording.next += interval;
+          if (interval > 0.)
+            recording.next = next_multiple(interval, time + slack);
         }
   }
 
@@ -212,8 +219,9 @@ namespace selkie
   {
     if (scene.output.interval <= 0.)
       return;
-    while (so_far.next_fields <= time * (1. + 1e-12) + 1e-6 * scene.time.step)
-      so_far.next_fields += scene.output.interval;
+    so_far.next_fields =
+      next_multiple(scene.output.interval,
+                    time * (1. + 1e-12) + 1e-6 * scene.time.step);
     if (stepper == nullptr || !scene.output.mesh)
       {
         vtu->write(time, step, nullptr);

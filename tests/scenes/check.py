@@ -113,6 +113,16 @@ def rigid_translation(selkie, folder):
         check("velocity " + axis, worst(p["velocity " + axis], v[d]) / v[d], 1e-10)
 
 
+def short_interval(selkie, folder):
+    """Intervals of output far below the step mean every step, and take no time of their own."""
+    s = run(selkie, HERE / "rigid_translation.prm", folder, ["Output/Interval=1e-17", "Probes/Interval=1e-17"],
+            picture=True)
+    rows = len(table(folder / "probes" / "corner.csv")["time"])
+    check("rows of a probe - steps - 1", rows - len(s["step"]) - 1, 0)
+    pictures = (folder / "particles.pvd").read_text().count("<DataSet")
+    check("pictures - steps - 1", pictures - len(s["step"]) - 1, 0)
+
+
 def at_rest(selkie, folder):
     """Nothing moves for 20 steps; then momentum = force x time.
 
