@@ -32,7 +32,7 @@ th{font-weight:600} thead th{border-bottom:1px solid #9aa5b1;white-space:nowrap}
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 tbody th{font-weight:400;white-space:nowrap} td.n+td{padding-left:.4rem}
 .mark{display:inline-block;min-width:3.2rem;padding:0 .4rem;border-radius:.2rem;font-size:.8rem;text-align:center}
-.ok{background:#dff0e5;color:#1d5c38} .warn{background:#fbe3c8;color:#7a3d00} .info{background:#e6ebf1;color:#3c4858}
+.ok{background:#dff0e5;color:#1d5c38} .warn{background:#fbe3c8;color:#7a3d00} .mark.bad{background:#f6d5d0;color:#8a1c10} .info{background:#e6ebf1;color:#3c4858}
 .track{display:block;width:9rem;height:.7rem;margin-top:.32rem;background:#f0f2f5} .bar{display:block;height:100%;background:#4a7ba6}
 .plots{display:grid;gap:1rem 1.5rem;grid-template-columns:repeat(auto-fill,minmax(min(100%,20rem),1fr))}
 .plots.wide{grid-template-columns:repeat(auto-fill,minmax(min(100%,28rem),1fr))}

@@ -5,6 +5,7 @@ selkie_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 selkie_type=Release
 selkie_unity=ON
 selkie_werror=OFF
+selkie_sanitize=OFF
 
 # What Open MPI, OpenBLAS and OpenMP must know: one thread per rank, and that
 # root may run it (containers).
@@ -23,6 +24,11 @@ build_option() {
     --debug) selkie_type=Debug ;;
     --no-unity) selkie_unity=OFF ;;
     --werror) selkie_werror=ON ;;
+    --sanitize)
+      selkie_sanitize=ON
+      # Open MPI keeps what it has to the end, and PMIx what it should not.
+      export ASAN_OPTIONS=detect_leaks=0
+      ;;
     *) return 1 ;;
   esac
 }
@@ -103,6 +109,7 @@ configure_and_build() {
   build=$selkie_root/build
   [[ $selkie_type == Release ]] || build+=-debug
   [[ $selkie_unity == ON ]] || build+=-no-unity
+  [[ $selkie_sanitize == OFF ]] || build+=-sanitize
 
   local generator=()
   [[ -e $build/CMakeCache.txt ]] || generator=(-G Ninja)
@@ -110,7 +117,8 @@ configure_and_build() {
   mkdir -p "$build"
   if ! cmake "${generator[@]}" -S "$selkie_root" -B "$build" \
     -DCMAKE_BUILD_TYPE=$selkie_type -DSELKIE_UNITY=$selkie_unity \
-    -DSELKIE_WERROR=$selkie_werror >"$build/configure.log" 2>&1; then
+    -DSELKIE_WERROR=$selkie_werror -DSELKIE_SANITIZE=$selkie_sanitize \
+    >"$build/configure.log" 2>&1; then
     tail -n 40 "$build/configure.log" >&2
     fail "cmake could not configure Selkie (all its output: $build/configure.log)"
   fi

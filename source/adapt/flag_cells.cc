@@ -57,7 +57,8 @@ namespace selkie
         const unsigned int level = cell->level();
         targets[cell->active_cell_index()] =
           std::clamp(wish(cell, wanted, least_level(cell)),
-                     level > 0 ? level - 1 : 0, level + refines);
+                     level > 0 ? level - 1 : 0,
+                     level + refines);
       });
       return targets;
     }

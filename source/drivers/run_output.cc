@@ -30,6 +30,13 @@ namespace selkie
       return entries;
     }
 
+    /// The first multiple of an interval after a time (s).
+    double
+    next_multiple(const double interval, const double time)
+    {
+      return interval * (std::floor(time / interval) + 1.);
+    }
+
     template <int dim>
     NodeMotion<dim>
     node_motion(const Stepper<dim> &stepper)
@@ -56,8 +63,9 @@ namespace selkie
       const MPI_Comm comm    = particles.communicator();
       const double   fullest =
         Utilities::MPI::max(double(handler.n_locally_owned_particles()), comm);
-      statistics.set("cells",
-                     cloud.dof_handler().get_triangulation().n_global_active_cells());
+      statistics.set(
+        "cells",
+        cloud.dof_handler().get_triangulation().n_global_active_cells());
       statistics.set("points split", particles.accounting.split);
       statistics.set("points merged", particles.accounting.merged);
       statistics.set("imbalance of points",
@@ -200,8 +208,8 @@ namespace selkie
           TimerTree::Scope scope(timers, recording.recorder->name());
           const double     interval = recording.recorder->interval();
           recording.recorder->record(time, walls, node_motion(stepper));
-          while (interval > 0. && recording.next <= time + slack)
-            recording.next += interval;
+          if (interval > 0.)
+            recording.next = next_multiple(interval, time + slack);
         }
   }
 
@@ -243,8 +251,9 @@ namespace selkie
   {
     if (scene.output.interval <= 0.)
       return;
-    while (so_far.next_fields <= time * (1. + 1e-12) + 1e-6 * scene.time.step)
-      so_far.next_fields += scene.output.interval;
+    so_far.next_fields =
+      next_multiple(scene.output.interval,
+                    time * (1. + 1e-12) + 1e-6 * scene.time.step);
     if (stepper == nullptr || !scene.output.mesh)
       {
         vtu->write(time, step, nullptr);

@@ -203,17 +203,18 @@ namespace selkie
     FoundCheckpoint found;
     if (resumed)
       found = find_checkpoint(scene.output.directory);
-    Log            log(comm);
-    TimerTree      timers(comm);
+    Log       log(comm);
+    TimerTree timers(comm);
+    // The last that may refuse the scene: before the output is touched.
+    auto  setup     = timed(timers, "set-up", [&] {
+      return std::make_unique<Setup<dim>>(scene, comm, found.folder);
+    });
+    auto &particles = setup->particles;
+
     RunOutput<dim> output(scene, comm, log, timers, resumed);
     if (!found.damage.empty())
       log.line("          passed over a damaged checkpoint: " + found.damage);
-
-    auto        setup     = timed(timers, "set-up", [&] {
-      return std::make_unique<Setup<dim>>(scene, comm, found.folder);
-    });
-    auto       &particles = setup->particles;
-    auto        stepper   = make_stepper(*setup, timers, log);
+    auto        stepper = make_stepper(*setup, timers, log);
     TimeControl time(time_parameters(scene),
                      smallest_spacing(scene, *setup->cloud),
                      sound_speed(scene));

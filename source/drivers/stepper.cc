@@ -1,4 +1,5 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/drivers/energy_jump.h>
 #include <selkie/drivers/residual_report.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/laws/volumetric_law.h>
@@ -22,11 +23,12 @@ namespace selkie
     , particles(particles)
     , cloud(cloud)
     , timers(timers)
+    , log(log)
     , conditions(scene, cloud)
     , terms(terms_of(scene))
     , unknowns(cloud, conditions, scene.pressure_phases())
     , assembler(terms, unknowns)
-    , linear_solver(scene.linear_solver, std::move(log))
+    , linear_solver(scene.linear_solver, log)
   {
     if (scene.has_pressure())
       {
@@ -316,8 +318,10 @@ namespace selkie
       estimate_time_error(
         unknowns, fields, time.newmark, *scene.inertia, report);
     TimerTree::Scope scope(timers, "update");
-    report.reset_energy =
-      advance(particles, table, unknowns, time.newmark, fields).reset_energy;
+    PointUpdate<dim> update(particles, table, unknowns, time.newmark, fields);
+    if (scene.time.largest_energy_jump > 0.)
+      check_energy_jump(update, report, unbalanced_work());
+    report.reset_energy = update.write();
     if (nodes)
       nodes->keep(unknowns, time.newmark, fields);
     if (scene.has_pressure())
@@ -327,6 +331,18 @@ namespace selkie
     if (release)
       release->end_step();
     return report;
+  }
+
+  /// The work that forces within Newton's tolerance may do in the step (J).
+  template <int dim>
+  double
+  Stepper<dim>::unbalanced_work() const
+  {
+    double sum = 0.;
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      sum += fields.x.local_element(i) * fields.x.local_element(i);
+    return scene.newton.tolerance * scales.u *
+           std::sqrt(Utilities::MPI::sum(sum, particles.communicator()));
   }
 
   /// Newton, and again while walls let nodes go or catch them. The residual is
@@ -426,23 +442,40 @@ namespace selkie
       nodes->set_acceleration(unknowns, a_0);
   }
 
-  /// M a = -residual in the free displacements, with the mass of the scene.
+  /// M a = -residual in the free displacements, with the mass of the scene. The
+  /// consistent mass of fewer points than nodes is singular, and such a body
+  /// starts with the lumped one.
   template <int dim>
   void
   Stepper<dim>::solve_mass(const StepTime &time,
                            const Vector   &residual,
                            Vector         &a)
   {
-    const unsigned int n_u   = unknowns.n_owned_displacements();
-    const auto         force = [&](const unsigned int i) {
-      return unknowns.held(i) ? 0. : -residual.local_element(i);
-    };
-    if (scene.inertia->mass == MassKind::lumped)
-      {
-        for (unsigned int i = 0; i < n_u; ++i)
-          a.local_element(i) = force(i) / fields.mass.local_element(i);
-        return;
-      }
+    if (scene.inertia->mass == MassKind::consistent)
+      try
+        {
+          solve_consistent_mass(time, residual, a);
+          return;
+        }
+      catch (const LinearSolverFailure &failure)
+        {
+          log("Consistent mass: " + std::string(failure.what()) +
+              "; the acceleration at the start is that of the lumped mass");
+        }
+    a = 0.;
+    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
+      if (!unknowns.held(i))
+        a.local_element(i) =
+          -residual.local_element(i) / fields.mass.local_element(i);
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::solve_consistent_mass(const StepTime &time,
+                                      const Vector   &residual,
+                                      Vector         &a)
+  {
+    const unsigned int n_u = unknowns.n_owned_displacements();
     // The tangent of the inertia alone is alpha1 M; pressures have no mass.
     typename Assembler<dim>::Terms inertia;
     for (const auto &term : terms)
@@ -453,7 +486,8 @@ namespace selkie
       .assemble(table, time, fields, 1., true, rhs);
     rhs = 0.;
     for (unsigned int i = 0; i < n_u; ++i)
-      rhs.local_element(i) = time.newmark.alpha1 * force(i);
+      if (!unknowns.held(i))
+        rhs.local_element(i) = -time.newmark.alpha1 * residual.local_element(i);
     for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
       {
         const auto row = unknowns.partitioner()->local_to_global(i);

@@ -1,6 +1,7 @@
 #include <selkie/laws/fluid_law.h>
 #include <selkie/laws/hyperelastic_law.h>
 #include <selkie/output/audit.h>
+#include <selkie/transfer/transfer.h>
 
 #include <deal.II/base/mpi.templates.h> // all_reduce of own types
 
@@ -129,29 +130,53 @@ namespace selkie
   }
 
 
+  namespace
+  {
+    /// @param for_each calls a function with position and properties of every
+    /// owned point
+    template <int dim, typename ForEach>
+    Audit
+    sum_of_points(const ParticleSet<dim> &particles, const ForEach &for_each)
+    {
+      const std::vector<LawOfBody> laws = laws_of_bodies(particles.scene);
+
+      Audit mine;
+      for_each([&](const dealii::Point<dim>              &x,
+                   const dealii::ArrayView<const double> &properties) {
+        const auto body =
+          static_cast<unsigned int>(particles.columns.body(properties));
+        add_motion(particles, x, properties, mine);
+        add_deformation(particles, laws[body], properties, mine);
+      });
+
+      Audit sum =
+        dealii::Utilities::MPI::all_reduce<Audit>(mine,
+                                                  particles.communicator(),
+                                                  combined);
+      if (sum.mass > 0.)
+        sum.center /= sum.mass;
+      return sum;
+    }
+  } // namespace
+
+
   template <int dim>
   Audit
   audit(const ParticleSet<dim> &particles)
   {
-    const std::vector<LawOfBody> laws = laws_of_bodies(particles.scene);
+    return sum_of_points(particles, [&](const auto &add) {
+      for (const auto &point : particles.handler())
+        add(point.get_location(), point.get_properties());
+    });
+  }
 
-    Audit mine;
-    for (const auto &point : particles.handler())
-      {
-        const auto properties = point.get_properties();
-        const auto body =
-          static_cast<unsigned int>(particles.columns.body(properties));
-        add_motion(particles, point.get_location(), properties, mine);
-        add_deformation(particles, laws[body], properties, mine);
-      }
 
-    Audit sum =
-      dealii::Utilities::MPI::all_reduce<Audit>(mine,
-                                                particles.communicator(),
-                                                combined);
-    if (sum.mass > 0.)
-      sum.center /= sum.mass;
-    return sum;
+  template <int dim>
+  Audit
+  audit(const PointUpdate<dim> &update)
+  {
+    return sum_of_points(update.particles,
+                         [&](const auto &add) { update.preview(add); });
   }
 
 
@@ -207,6 +232,10 @@ namespace selkie
   audit(const ParticleSet<2> &);
   template Audit
   audit(const ParticleSet<3> &);
+  template Audit
+  audit(const PointUpdate<2> &);
+  template Audit
+  audit(const PointUpdate<3> &);
 
   template double
   volume_ratio(const ParticleSet<2> &, const dealii::ArrayView<const double> &);

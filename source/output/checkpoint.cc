@@ -15,7 +15,11 @@
 #include <boost/property_tree/json_parser.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -36,13 +40,37 @@ namespace selkie
       });
     }
 
-    /// e.g. "000120"; sorts by step.
+    /// e.g. "000120"
     std::string
     folder_name(const unsigned int step)
     {
       const std::string number = std::to_string(step);
       return std::string(6 - std::min<std::size_t>(6, number.size()), '0') +
              number;
+    }
+
+    /// The step that a folder_name() says; nothing of another name.
+    std::optional<unsigned int>
+    step_of(const std::string &name)
+    {
+      unsigned int step    = 0;
+      const char  *end     = name.data() + name.size();
+      const auto [at, bad] = std::from_chars(name.data(), end, step);
+      if (bad != std::errc() || at != end)
+        return {};
+      return step;
+    }
+
+    /// The folders of checkpoints by their steps, the latest first.
+    std::map<unsigned int, fs::path, std::greater<>>
+    folders_by_step(const fs::path &checkpoints)
+    {
+      std::map<unsigned int, fs::path, std::greater<>> folders;
+      for (const auto &entry : fs::directory_iterator(checkpoints))
+        if (const auto step = step_of(entry.path().filename().string());
+            step && entry.is_directory())
+          folders[*step] = entry.path();
+      return folders;
     }
 
     /// The columns that a point carries, as one text to compare.
@@ -116,16 +144,9 @@ namespace selkie
       write_text((checkpoints / "last_good.new").string(), name);
       fs::rename(checkpoints / "last_good.new", mark);
 
-      std::vector<fs::path> old;
-      for (const auto &entry : fs::directory_iterator(checkpoints))
-        {
-          const std::string found = entry.path().filename().string();
-          if (entry.is_directory() && found != name && found != previous &&
-              found.find_first_not_of("0123456789") == std::string::npos)
-            old.push_back(entry.path());
-        }
-      for (const fs::path &folder : old)
-        fs::remove_all(folder);
+      for (const auto &[step, folder] : folders_by_step(checkpoints))
+        if (folder.filename() != name && folder.filename() != previous)
+          fs::remove_all(folder);
     }
 
     /// The files of a checkpoint but checkpoint.json, with their sizes.
@@ -266,20 +287,20 @@ namespace selkie
       throw SceneError("there is no checkpoint in '" + directory +
                        "'; a run writes them every 'Output/Checkpoint steps' "
                        "or 'Output/Checkpoint minutes', and when it fails");
-    const std::string last = read_text((checkpoints / "last_good").string());
-    std::vector<fs::path> folders;
-    for (const auto &entry : fs::directory_iterator(checkpoints))
-      if (const auto name = entry.path().filename().string();
-          entry.is_directory() && name <= last)
-        folders.push_back(entry.path());
-    std::sort(folders.rbegin(), folders.rend());
+    const std::string mark = read_text((checkpoints / "last_good").string());
+    const auto        last = step_of(mark);
+    if (!last)
+      throw SceneError("'" + (checkpoints / "last_good").string() + "' says '" +
+                       mark +
+                       "'; it should name the folder of a checkpoint there");
+    const auto      folders = folders_by_step(checkpoints);
     FoundCheckpoint result;
-    for (const fs::path &folder : folders)
+    for (auto it = folders.lower_bound(*last); it != folders.end(); ++it)
       {
-        const std::string wrong = damage(folder);
+        const std::string wrong = damage(it->second);
         if (wrong.empty())
           {
-            result.folder = folder.string();
+            result.folder = it->second.string();
             return result;
           }
         result.damage += (result.damage.empty() ? "" : "; ") + wrong;

@@ -92,12 +92,6 @@ namespace selkie
                            rank == 0);
         });
       }
-
-    const std::vector<Sums> sums = sums_of_curves();
-    for (unsigned int c = 0; c < curves.size(); ++c)
-      if (curves[c].probe->kind == Kind::region && sums[c].n == 0)
-        throw SceneError("the region of the probe '" + curves[c].probe->name +
-                         "' holds no material point");
   }
 
 

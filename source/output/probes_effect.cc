@@ -133,6 +133,21 @@ namespace selkie
     }
 
 
+    /// Whether any material point starts in the shape. Collective.
+    template <int dim>
+    bool
+    has_points(const ParticleSet<dim> &particles, const Shape<dim> &shape)
+    {
+      const auto    &points = particles.handler();
+      const unsigned mine =
+        std::any_of(points.begin(), points.end(), [&](const auto &point) {
+          return shape.contains(
+            Point<dim>(particles.columns.X(point.get_properties())));
+        });
+      return Utilities::MPI::max(mine, particles.communicator()) > 0;
+    }
+
+
     /// Curves over time: see class Probes.
     template <int dim>
     class ProbesEffect : public Effect<dim>
@@ -216,6 +231,18 @@ namespace selkie
         };
         if (std::any_of(scene.probes.begin(), scene.probes.end(), starts))
           fields.add<Tensor<1, dim>>("reference position", "m", true);
+      }
+
+      void
+      start(ParticleSet<dim> &particles) const override
+      {
+        for (const auto &probe : particles.scene.probes)
+          if (probe.kind == Probe<dim>::Kind::region &&
+              !has_points(particles, *probe.shape))
+            fail(particles.scene,
+                 "Probes/" + probe.name + "/Shape",
+                 "no material point starts in the region; allowed is one that "
+                 "holds points of a body");
       }
 
       std::shared_ptr<Recorder<dim>>

@@ -110,6 +110,7 @@ namespace selkie
           json.add("worst", row.worst);
           json.add("warning", row.limit[0]);
           json.add("failure", row.limit[1]);
+          json.add("bad", row.from_below ? "below" : "above");
           for (unsigned int k = 0; k < 2; ++k)
             if (!std::isnan(row.first[k]))
               json.add(k == 0 ? "warned at (s)" : "failed at (s)",

@@ -101,8 +101,8 @@ namespace selkie
       unsigned int place = 0;
       for (unsigned int d = dim; d-- > 0;)
         place = place * n +
-                static_cast<unsigned int>(std::clamp(
-                  n * reference[d] + off_the_faces, 0., n - 1.));
+                static_cast<unsigned int>(
+                  std::clamp(n * reference[d] + off_the_faces, 0., n - 1.));
       return place;
     }
 
@@ -327,10 +327,10 @@ namespace selkie
       const Domain<dim> &domain = particles.scene.domain;
       Tensor<1, dim>     room;
       for (unsigned int d = 0; d < dim; ++d)
-        room[d] = std::max(0.,
-                           std::min(x[d] - domain.lower[d],
-                                    domain.upper[d] - x[d]) -
-                             particles.wall_margin());
+        room[d] =
+          std::max(0.,
+                   std::min(x[d] - domain.lower[d], domain.upper[d] - x[d]) -
+                     particles.wall_margin());
       return room;
     }
 
@@ -369,7 +369,7 @@ namespace selkie
           Tensor<1, dim> dx = F * dX;
           for (unsigned int d = 0; d < dim; ++d)
             dx[d] = std::clamp(dx[d], -room[d], room[d]);
-          child.x                 = parent->get_location() + dx;
+          child.x = parent->get_location() + dx;
           for (const auto &entry : particles.fields.entries())
             if (entry.combine == Combine::sum)
               for (unsigned int i = 0; i < entry.n_components; ++i)

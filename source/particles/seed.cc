@@ -1,6 +1,7 @@
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/particles/seed.h>
+#include <selkie/scene/check_scene.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
@@ -100,25 +101,35 @@ namespace selkie
       return true;
     }
 
-    /// Says that two bodies claim a point, or nothing.
+    /// Ends with a SceneError about the shape of a body.
     template <int dim>
-    std::string
-    claimed_twice(const Scene<dim>         &scene,
-                  const unsigned int        body,
-                  const dealii::Point<dim> &x)
+    [[noreturn]] void
+    fail_shape(const Scene<dim>  &scene,
+               const unsigned int body,
+               const std::string &why)
+    {
+      fail(scene, "Bodies/" + scene.bodies[body].name + "/Shape", why);
+    }
+
+    /// Throws SceneError when another body claims a point, too.
+    template <int dim>
+    void
+    check_claim(const Scene<dim>         &scene,
+                const unsigned int        body,
+                const dealii::Point<dim> &x)
     {
       for (unsigned int other = 0; other < scene.bodies.size(); ++other)
         if (other != body && scene.bodies[other].shape->contains(x))
           {
+            const unsigned int later = std::max(body, other);
             std::ostringstream out;
-            out << "The bodies '" << scene.bodies[std::min(body, other)].name
-                << "' and '" << scene.bodies[std::max(body, other)].name
+            out << "the bodies '" << scene.bodies[std::min(body, other)].name
+                << "' and '" << scene.bodies[later].name
                 << "' overlap: both claim the material point at (" << x
-                << "). Bodies must be disjoint; where they touch, no point "
-                   "may lie on the common face.";
-            return out.str();
+                << "); allowed are bodies that at most touch, with no point "
+                   "on the common face";
+            fail_shape(scene, later, out.str());
           }
-      return "";
     }
 
     /// The points of one body in one cell.
@@ -127,8 +138,7 @@ namespace selkie
     seed_cell(const Scene<dim>                               &scene,
               const unsigned int                              b,
               const typename Mesh<dim>::active_cell_iterator &cell,
-              std::vector<Seed<dim>>                         &seeds,
-              std::string                                    &error)
+              std::vector<Seed<dim>>                         &seeds)
     {
       const Body<dim>         &body  = scene.bodies[b];
       const unsigned int       n     = body.points_per_direction;
@@ -158,8 +168,7 @@ namespace selkie
             body.shape->contains(in_cell(lower, upper, moved));
           const auto reference = inside ? moved : regular;
           const auto x         = in_cell(lower, upper, reference);
-          if (error.empty())
-            error = claimed_twice(scene, b, x);
+          check_claim(scene, b, x);
           seeds.push_back({cell, x, reference, b, volume, 0});
         }
     }
@@ -171,13 +180,11 @@ namespace selkie
     seed_element(const Scene<dim>                               &scene,
                  const unsigned int                              b,
                  const typename Mesh<dim>::active_cell_iterator &cell,
-                 std::vector<Seed<dim>>                         &seeds,
-                 std::string                                    &error)
+                 std::vector<Seed<dim>>                         &seeds)
     {
       if (!scene.bodies[b].shape->contains(cell->center()))
         return;
-      if (error.empty())
-        error = claimed_twice(scene, b, cell->center());
+      check_claim(scene, b, cell->center());
       const dealii::FE_Q<dim>      element(1);
       const dealii::QGauss<dim>    gauss(scene.bodies[b].points_per_direction);
       const dealii::MappingQ1<dim> mapping;
@@ -212,12 +219,15 @@ namespace selkie
       dealii::Utilities::MPI::sum(sums, comm, sums);
       for (unsigned int b = 0; b < sums.size(); ++b)
         if (sums[b] == 0.)
-          throw SceneError(
-            "The body '" + scene.bodies[b].name +
-            "' gets no material point: its shape lies outside the domain or "
-            "between the lattice points. Refine the mesh or increase its "
-            "points per direction (" +
-            std::to_string(scene.bodies[b].points_per_direction) + ").");
+          fail_shape(scene,
+                     b,
+                     "the body '" + scene.bodies[b].name +
+                       "' gets no material point; allowed is a shape that "
+                       "holds " +
+                       (scene.lagrangian_mesh()
+                          ? "the centre of a cell"
+                          : "lattice points: finer cells or more points per "
+                            "direction have more"));
       return sums;
     }
 
@@ -233,13 +243,13 @@ namespace selkie
           if (std::abs(volumes[b] - exact) <= tolerance * exact)
             continue;
           std::ostringstream out;
-          out << "The body '" << scene.bodies[b].name << "' has a volume of "
+          out << "the body '" << scene.bodies[b].name << "' has a volume of "
               << exact << " m^" << dim << ", the cells of the mesh inside it "
               << volumes[b]
-              << ": `q4 fem` needs a mesh that is fitted to the bodies. Choose "
-                 "'Domain/Cells' so that the body's faces are cells' faces, "
-                 "or import a mesh (Domain/Mesh).";
-          throw SceneError(out.str());
+              << "; allowed with 'q4 fem' is a mesh that is fitted to the "
+                 "bodies: 'Domain/Cells' so that the body's faces are cells' "
+                 "faces, or an imported one (Domain/Mesh)";
+          fail_shape(scene, b, out.str());
         }
     }
 
@@ -282,12 +292,12 @@ namespace selkie
   {
     const MPI_Comm         comm = mesh.get_communicator();
     std::vector<Seed<dim>> seeds;
-    std::string            error;
-    for (const auto &cell : cells_on_curve(mesh))
-      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
-        scene.lagrangian_mesh() ? seed_element(scene, b, cell, seeds, error)
-                                : seed_cell(scene, b, cell, seeds, error);
-    throw_on_all_ranks<SceneError>(comm, error);
+    fail_together<SceneError>(comm, [&] {
+      for (const auto &cell : cells_on_curve(mesh))
+        for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+          scene.lagrangian_mesh() ? seed_element(scene, b, cell, seeds)
+                                  : seed_cell(scene, b, cell, seeds);
+    });
     const auto volumes = seeded_volumes(scene, seeds, comm);
     if (scene.lagrangian_mesh())
       check_fit(scene, volumes);

@@ -286,6 +286,8 @@ namespace selkie
         check_body(scene, scene.bodies[i]);
         for (unsigned int j = 0; j < i; ++j)
           check_overlap(scene, scene.bodies[j], scene.bodies[i]);
+        if (scene.bodies[i].phase >= 32) // they are bits of a number
+          fail(scene, "Bodies/Names", "allowed are at most 31 solid bodies");
       }
     check_conditions(scene);
   }

@@ -97,6 +97,15 @@ namespace selkie
                         "How far a point may move in a step, in cells; a step "
                         "that would move one farther is cut. Units: none.",
                         Double(0.01, 0.9));
+      prm.add_parameter("Largest energy jump",
+                        time.largest_energy_jump,
+                        "How much energy a step may gain that no load and no "
+                        "moving wall gives, of the energy in play in it: of "
+                        "motion and stored, at its start or end, and what "
+                        "gravity and loads give. A step that would gain more "
+                        "is cut; to look costs two passes over the points. "
+                        "0: any. Units: none.",
+                        Double(0.));
       prm.add_parameter("Estimate errors",
                         time.estimate_error,
                         "Whether the run ends with an estimate of its errors: "

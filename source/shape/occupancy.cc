@@ -42,8 +42,7 @@ namespace selkie
     unsigned int n_phases = 0;
     for (const auto &body : particles.scene.bodies)
       n_phases = std::max(n_phases, body.phase + 1);
-    if (n_phases > 32)
-      throw SceneError("a scene may have at most 31 solid bodies");
+    Assert(n_phases <= 32, ExcInternalError()); // check_geometry() said so
 
     const auto     cells = occupied_cells(particles);
     Occupancy<dim> result;

@@ -22,7 +22,7 @@ namespace selkie
     std::sort(sorted.begin(), sorted.end());
     wide.add_indices(sorted.begin(), sorted.end());
     wide.subtract_set(own);
-    partition = std::make_shared<Utilities::MPI::Partitioner>(
+    partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       own, wide, system.partitioner()->get_mpi_communicator());
     for (const int number : numbers)
       entry_of.push_back(partition->global_to_local(number));

@@ -39,27 +39,18 @@ namespace selkie
       }
     };
 
-    /// The nodes' increments and end values at one point.
-    template <int dim>
-    struct Interpolated
-    {
-      Tensor<1, dim> du, dv, v, a;
-      Tensor<2, dim> grad_du, grad_v;
-      double         p = 0, J = 1; ///< where there are pressures
-    };
-
     /// @tparam moves with inertia
     /// @tparam tpic with velocity gradients
     template <bool moves, bool tpic, int dim>
-    Interpolated<dim>
+    PointEnd<dim>
     interpolate(const SupportTable<dim> &table,
                 const Patch<dim>        &patch,
                 const unsigned int       q,
                 const System<dim>       &system,
                 const NodalEnd          &nodes)
     {
-      Interpolated<dim> at;
-      const double     *N = table.N(patch, q);
+      PointEnd<dim> at;
+      const double *N = table.N(patch, q);
       for (unsigned int k = 0; k < patch.n_nodes; ++k)
         {
           const unsigned int u =
@@ -109,7 +100,7 @@ namespace selkie
     /// that the matter cannot have.
     /// @param phases those with a pressure, bits
     template <int dim>
-    std::vector<Interpolated<dim>>
+    std::vector<PointEnd<dim>>
     end_values(const ParticleColumns<dim> &columns,
                const unsigned int          phases,
                const SupportTable<dim>    &table,
@@ -121,8 +112,8 @@ namespace selkie
         !columns.v.exists()       ? &interpolate<false, false, dim>
         : columns.grad_v.exists() ? &interpolate<true, true, dim>
                                   : &interpolate<true, false, dim>;
-      std::vector<Interpolated<dim>> values(table.n_particles);
-      std::string                    failure;
+      std::vector<PointEnd<dim>> values(table.n_particles);
+      std::string                failure;
       for (const auto &patch : table.patches)
         if (patch.matter)
           for (unsigned int q = 0; q < patch.n_points; ++q)
@@ -155,7 +146,7 @@ namespace selkie
     void
     write_point(const ParticleColumns<dim> &columns,
                 const StepPoint<dim>       &point,
-                const Interpolated<dim>    &at,
+                const PointEnd<dim>        &at,
                 const bool                  fluid,
                 const bool                  alone,
                 const Scene<dim>           &scene,
@@ -195,9 +186,9 @@ namespace selkie
     /// The volume ratio of a solid's patch at the end of the step.
     template <int dim>
     double
-    mean_volume_ratio(const SupportTable<dim>              &table,
-                      const Patch<dim>                     &patch,
-                      const std::vector<Interpolated<dim>> &values)
+    mean_volume_ratio(const SupportTable<dim>          &table,
+                      const Patch<dim>                 &patch,
+                      const std::vector<PointEnd<dim>> &values)
     {
       double V_0 = 0., V = 0.;
       for (unsigned int q = 0; q < patch.n_points; ++q)
@@ -213,33 +204,31 @@ namespace selkie
   } // namespace
 
   template <int dim>
-  AdvanceReport
-  advance(ParticleSet<dim>        &particles,
-          const SupportTable<dim> &table,
-          const System<dim>       &system,
-          const Newmark           &newmark,
-          const StepFields        &fields)
+  PointUpdate<dim>::PointUpdate(ParticleSet<dim>        &particles,
+                                const SupportTable<dim> &table,
+                                const System<dim>       &system,
+                                const Newmark           &newmark,
+                                const StepFields        &fields)
+    : particles(particles)
+    , table(table)
+    , values(end_values(particles.columns,
+                        particles.scene.pressure_phases(),
+                        table,
+                        system,
+                        NodalEnd(fields, newmark),
+                        particles.communicator()))
   {
-    const MPI_Comm              comm   = particles.communicator();
-    const auto                  values = end_values(particles.columns,
-                                   particles.scene.pressure_phases(),
-                                   table,
-                                   system,
-                                   NodalEnd(fields, newmark),
-                                   comm);
-    std::vector<Tensor<1, dim>> displacements;
     displacements.reserve(values.size());
     for (const auto &at : values)
       displacements.push_back(at.du);
     particles.check_move(displacements); // from here on nothing fails
+  }
 
-    std::vector<ArrayView<double>> properties;
-    properties.reserve(table.n_particles);
-    for (auto &particle : particles.handler())
-      properties.push_back(particle.get_properties());
-
-    const auto   &columns = particles.columns;
-    AdvanceReport report;
+  template <int dim>
+  double
+  PointUpdate<dim>::write_to(const Properties &properties) const
+  {
+    double reset_energy = 0.;
     for (const auto &patch : table.patches)
       if (patch.matter)
         for (unsigned int q = 0; q < patch.n_points; ++q)
@@ -260,23 +249,65 @@ namespace selkie
                 const double moved =
                   point.J_n * determinant(Tensor<2, dim>(
                                 unit_symmetric_tensor<dim>() + at.grad_du));
-                report.reset_energy +=
+                reset_energy +=
                   point.volume * (law.energy(at.J) - law.energy(moved));
               }
           }
-    if (columns.mean_J.exists() && !particles.scene.mixed_solids)
-      for (const auto &patch : table.patches)
-        if (patch.matter && !patch.fluid)
-          {
-            const double mean_J = mean_volume_ratio(table, patch, values);
-            for (unsigned int q = 0; q < patch.n_points; ++q)
-              columns.mean_J.set(
-                properties[table.points[patch.first_point + q].particle],
-                mean_J);
-          }
-    report.reset_energy = Utilities::MPI::sum(report.reset_energy, comm);
+    if (particles.columns.mean_J.exists() && !particles.scene.mixed_solids)
+      write_mean_J(properties);
+    return reset_energy;
+  }
+
+  template <int dim>
+  void
+  PointUpdate<dim>::write_mean_J(const Properties &properties) const
+  {
+    for (const auto &patch : table.patches)
+      if (patch.matter && !patch.fluid)
+        {
+          const double mean_J = mean_volume_ratio(table, patch, values);
+          for (unsigned int q = 0; q < patch.n_points; ++q)
+            particles.columns.mean_J.set(
+              properties[table.points[patch.first_point + q].particle], mean_J);
+        }
+  }
+
+  template <int dim>
+  double
+  PointUpdate<dim>::write()
+  {
+    Properties properties;
+    properties.reserve(table.n_particles);
+    for (auto &particle : particles.handler())
+      properties.push_back(particle.get_properties());
+    const double reset_energy =
+      Utilities::MPI::sum(write_to(properties), particles.communicator());
     particles.move(displacements);
-    return report;
+    return reset_energy;
+  }
+
+  template <int dim>
+  void
+  PointUpdate<dim>::preview(
+    const std::function<void(const Point<dim> &,
+                             const ArrayView<const double> &)> &see) const
+  {
+    const unsigned int  n = particles.fields.n_components();
+    std::vector<double> scratch;
+    scratch.reserve(n * table.n_particles);
+    for (const auto &particle : particles.handler())
+      for (const double value : particle.get_properties())
+        scratch.push_back(value);
+    Properties properties;
+    for (unsigned int i = 0; i < table.n_particles; ++i)
+      properties.emplace_back(scratch.data() + i * n, n);
+    write_to(properties);
+    unsigned int i = 0;
+    for (const auto &particle : particles.handler())
+      {
+        see(particle.get_location() + displacements[i], properties[i]);
+        ++i;
+      }
   }
 
   template <int dim>
@@ -315,16 +346,6 @@ namespace selkie
                     const SupportTable<3> &,
                     const System<3> &,
                     const Vector &);
-  template AdvanceReport
-  advance(ParticleSet<2> &,
-          const SupportTable<2> &,
-          const System<2> &,
-          const Newmark &,
-          const StepFields &);
-  template AdvanceReport
-  advance(ParticleSet<3> &,
-          const SupportTable<3> &,
-          const System<3> &,
-          const Newmark &,
-          const StepFields &);
+  template class PointUpdate<2>;
+  template class PointUpdate<3>;
 } // namespace selkie

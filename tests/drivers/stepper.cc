@@ -3,10 +3,13 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/mesh/background_mesh.h>
+#include <selkie/output/audit.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "../small_scenes.h"
 
@@ -30,7 +33,9 @@ namespace
       else
         cloud = std::make_unique<NodeCloud<2>>(*mesh);
       stepper = std::make_unique<Stepper<2>>(
-        scene, particles, *cloud, timers, [](const std::string &) {});
+        scene, particles, *cloud, timers, [this](const std::string &line) {
+          said += line + '\n';
+        });
       stepper->start(0., scene.time.step);
     }
 
@@ -40,6 +45,7 @@ namespace
     TimerTree                                                        timers;
     std::unique_ptr<NodeCloud<2>>                                    cloud;
     std::unique_ptr<Stepper<2>>                                      stepper;
+    std::string                                                      said;
   };
 
   /// The exponent p of e_{k+1} ~ e_k^p, from the last three errors of which
@@ -134,26 +140,105 @@ TEST(Stepper, SolversFollowAChangedPattern)
     }
 }
 
+namespace
+{
+  /// A step that fails with an Error whose message says so, and what it leaves.
+  template <typename Error>
+  void
+  expect_failure_without_trace(Scenario          &run,
+                               const double       t,
+                               const double       dt,
+                               const std::string &says)
+  {
+    std::vector<dealii::Point<2>> before;
+    std::vector<double>           properties;
+    for (const auto &point : run.particles.handler())
+      {
+        before.push_back(point.get_location());
+        for (const double value : point.get_properties())
+          properties.push_back(value);
+      }
+    try
+      {
+        run.stepper->step(t, dt);
+        ADD_FAILURE() << "the step did not fail";
+      }
+    catch (const Error &error)
+      {
+        EXPECT_NE(std::string(error.what()).find(says), std::string::npos)
+          << error.what();
+      }
+    unsigned int i = 0, k = 0;
+    for (const auto &point : run.particles.handler())
+      {
+        EXPECT_EQ(point.get_location(), before[i++]);
+        for (const double value : point.get_properties())
+          EXPECT_EQ(value, properties[k++]);
+      }
+    EXPECT_EQ(i, before.size());
+  }
+
+  /// Energy of all points.
+  double
+  energy(const Scenario &run)
+  {
+    return audit(run.particles).energy();
+  }
+} // namespace
+
 TEST(Stepper, AFailedStepLeavesNoTrace)
 {
   Scenario run(small_scenes::fluid_on_solid(), {"Newton/Iterations=1"});
-  std::vector<dealii::Point<2>> before;
-  std::vector<double>           properties;
-  for (const auto &point : run.particles.handler())
-    {
-      before.push_back(point.get_location());
-      for (const double value : point.get_properties())
-        properties.push_back(value);
-    }
-  EXPECT_THROW(run.stepper->step(0., 2e-3), NewtonFailure);
-  unsigned int i = 0, k = 0;
-  for (const auto &point : run.particles.handler())
-    {
-      EXPECT_EQ(point.get_location(), before[i++]);
-      for (const double value : point.get_properties())
-        EXPECT_EQ(value, properties[k++]);
-    }
-  EXPECT_EQ(i, before.size());
+  expect_failure_without_trace<NewtonFailure>(run,
+                                              0.,
+                                              2e-3,
+                                              "did not converge");
+}
+
+namespace
+{
+  constexpr double long_step = 0.08; // s
+
+  /// A block that spins in steps so long that the trapezoidal rule, which keeps
+  /// the energy of linear bodies only, takes some in the first, which is done,
+  /// and adds some in the second.
+  std::unique_ptr<Scenario>
+  spinning_block(const double largest_jump)
+  {
+    std::ostringstream setting;
+    setting << std::setprecision(17)
+            << "Time/Largest energy jump=" << largest_jump;
+    auto run = std::make_unique<Scenario>(
+      small_scenes::free_block(),
+      std::vector<std::string>{
+        "Approximation=q4 fem",
+        "Bodies/block/Initial velocity=10*(0.5-y); 10*(x-0.5)",
+        setting.str()});
+    run->stepper->step(0., long_step);
+    return run;
+  }
+} // namespace
+
+TEST(Stepper, AStepThatMakesEnergyLeavesNoTrace)
+{
+  const auto   free   = spinning_block(0.);
+  const double before = energy(*free);
+  free->stepper->step(long_step, long_step);
+  const double after = energy(*free);
+  const double share = (after - before) / after;
+  ASSERT_GT(share, 0.1);
+
+  const auto below = spinning_block(1.001 * share);
+  below->stepper->step(long_step, long_step);
+  EXPECT_EQ(energy(*below), after);
+
+  const auto above = spinning_block(0.999 * share);
+  expect_failure_without_trace<NumericalFailure>(*above,
+                                                 long_step,
+                                                 long_step,
+                                                 "from nothing");
+  above->stepper->step(long_step, long_step / 4);
+  EXPECT_LT(energy(*above) / before - 1., share);
 }
 
 namespace
@@ -189,4 +274,17 @@ TEST(Stepper, ConsistentMassStartsWithTheExactAcceleration)
   EXPECT_LT(worst_start_acceleration({"Inertia/Mass=consistent"}), 1e-10);
   // The lumped mass smooths it at the bar's ends.
   EXPECT_GT(worst_start_acceleration({"Inertia/Mass=lumped"}), 1e-3);
+}
+
+TEST(Stepper, FewerPointsThanNodesStartWithTheLumpedMass)
+{
+  // Viscous stresses, which no acceleration of the points alone balances.
+  Scenario run(small_scenes::fluid_on_solid(),
+               {"Inertia/Mass=consistent",
+                "Bodies/water/Points per direction=1",
+                "Bodies/bed/Points per direction=1"});
+  EXPECT_NE(run.said.find("lumped mass"), std::string::npos) << run.said;
+  for (const auto &point : run.particles.handler())
+    EXPECT_LT(run.particles.columns.a(point.get_properties()).norm(), 100.);
+  EXPECT_NO_THROW(run.stepper->step(0., 2e-3));
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "../small_scenes.h"
@@ -85,9 +86,9 @@ namespace
 
     for (const MPI_Comm comm : {MPI_COMM_WORLD, MPI_COMM_SELF})
       {
-        Matter<dim>           resumed(two_blocks<dim>(), comm, false);
+        Matter<dim>        resumed(two_blocks<dim>(), comm, false);
         CarriedFields<dim> fields;
-        const auto            state =
+        const auto         state =
           read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
         const NodeCloud<dim> nodes(*resumed.mesh);
         for (unsigned int node = 0; node < nodes.n_owned(); ++node)
@@ -159,7 +160,7 @@ namespace
                                               2,
                                               1.);
 
-    Matter<2>           resumed(run.scene, MPI_COMM_WORLD, false);
+    Matter<2>        resumed(run.scene, MPI_COMM_WORLD, false);
     CarriedFields<2> fields;
     read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
     EXPECT_EQ(fields.values.size(), names.size());
@@ -238,6 +239,39 @@ TEST(CheckpointMPI, KeepsTheLastTwoAndTheRunGoesOn)
   EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "000030");
 }
 
+TEST(CheckpointMPI, OrderBeyondAMillionSteps)
+{
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  Matter<2>             matter(two_blocks<2>());
+  const NodeCloud<2>    cloud(*matter.mesh);
+  for (const unsigned int step : {999990, 1000000, 1000010})
+    write_checkpoint(folder.path,
+                     matter.scene,
+                     matter.particles,
+                     *matter.mesh,
+                     cloud.dof_handler(),
+                     {},
+                     1e-3 * step,
+                     step,
+                     1e-3);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string checkpoints = folder.path + "/checkpoint/";
+  EXPECT_FALSE(std::filesystem::exists(checkpoints + "999990"));
+  EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "1000010");
+
+  // From 999990, as a run that was killed leaves them: a later checkpoint
+  // without its mark, an earlier one, and a folder of somebody else.
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    {
+      std::filesystem::rename(checkpoints + "1000000", checkpoints + "999990");
+      std::filesystem::create_directory(checkpoints + "1 kept by hand");
+      std::ofstream(checkpoints + "last_good") << "999990";
+    }
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_EQ(find_checkpoint(folder.path).folder, checkpoints + "999990");
+}
+
 TEST(CheckpointMPI, RefusesAnotherScene)
 {
   const TemporaryFolder folder(MPI_COMM_WORLD);
@@ -256,7 +290,7 @@ TEST(CheckpointMPI, RefusesAnotherScene)
                                             0.1);
   Scene<2>           other = two_blocks<2>();
   other.inertia.reset();
-  Matter<2>           resumed(other, MPI_COMM_WORLD, false);
+  Matter<2>        resumed(other, MPI_COMM_WORLD, false);
   CarriedFields<2> fields;
   EXPECT_THROW(read_checkpoint(path, resumed.particles, *resumed.mesh, fields),
                SceneError);

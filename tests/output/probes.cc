@@ -155,17 +155,3 @@ TEST(ProbesMPI, AllKindsFollowATranslation)
   EXPECT_NEAR(error["largest error (m/s)"], 3., 1e-14);
   EXPECT_NEAR(error["L2 norm of the function (m/s)"], std::sqrt(13.), 1e-14);
 }
-
-TEST(ProbesMPI, EmptyRegionIsAnErrorOfTheScene)
-{
-  const TemporaryFolder folder(MPI_COMM_WORLD);
-  std::filesystem::create_directories(folder.path + "/probes");
-  MPI_Barrier(MPI_COMM_WORLD);
-
-  Scene<2> scene = scene_with_probes();
-  scene.probes[2].shape =
-    std::make_shared<Block<2>>(dealii::Point<2>(), dealii::Point<2>(.1, .1));
-  Matter<2> matter(scene);
-  EXPECT_THROW(Probes<2>(matter.scene, matter.particles, folder.path),
-               SceneError);
-}

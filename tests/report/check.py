@@ -8,6 +8,7 @@ are made by `selkie report`; with scripts/report the folders must be given.
 Headless Chromium, if it is there, opens the page at laptop and phone width.
 """
 import html.parser
+import json
 import pathlib
 import re
 import shutil
@@ -112,16 +113,35 @@ def run(*command):
 
 
 def make_folders(selkie, folder):
-    """A run, another with a longer step, one that fails, and a study."""
+    """A run, another with a longer step, one that fails, one of a strict audit, and a study."""
     scene = ROOT / "prm" / "benchmarks" / "dam_break.prm"
     coarse = ["--set", "Domain/Cells=16, 12", "--set", "Time/End time=0.05", "--set", "Output/Interval=0.01"]
     other = ["--set", "Time/Step=2e-3"]
     hopeless = ["--set", "Newton/Iterations=1", "--set", "Newton/Tolerance=1e-14", "--set", "Time/Smallest step=5e-4"]
-    for name, more, wanted in (("run", [], 0), ("<other> & run", other, 0), ("hopeless", hopeless, 2)):
+    strict = ["--set", "Audit/Checkerboard=1e-6, 1e-5", "--set", "Audit/Smallest J=0.99999, 0.1"]
+    for name, more, wanted in (("run", [], 0), ("<other> & run", other, 0), ("hopeless", hopeless, 2),
+                               ("strict", strict, 0)):
         code, text = run(selkie, scene, "--output", folder / name, *coarse, *more)
         expect(f"the run '{name}' ends with exit code {wanted}", code == wanted, text[-1500:])
     code, text = run(selkie, "study", ROOT / "tests" / "study" / "small.prm", "--output", folder / "study")
     expect("the study is done", code == 0, text[-1500:])
+
+
+def check_verdict(report, folder, output):
+    """The page says what the program's own verdict in summary.json says, figure by figure."""
+    page = output / "strict.html"
+    code, text = run(*report, folder, "--output", page)
+    expect("verdict: exit code 0", code == 0, text)
+    audit, text = json.loads((folder / "summary.json").read_text())["audit"], page.read_text()
+    expect("verdict: the run with strict limits has all three grades",
+           {f["grade"] for f in audit["figures"]} == {"pass", "warn", "fail"} and audit["grade"] == "fail", audit)
+    expect("verdict: that of the run stands on top", re.search(r'<p class="verdict bad">.*Audit: <[^>]*>fail<', text))
+    for f in audit["figures"]:
+        row = re.search(rf'<th scope="row">{f["figure"]}</th>(.*?)</tr>', text)
+        cells = re.sub("<[^>]*>", " ", row[1]) if row else ""
+        expect(f"verdict: the page has '{f['figure']}' and its grade", f["grade"] in cells.split(), cells)
+        when = f.get("failed at (s)", f.get("warned at (s)"))
+        expect("verdict: and since when", when is None or f"{when:.4g}" in cells, cells)
 
 
 def check_run(report, folder, output):
@@ -129,7 +149,7 @@ def check_run(report, folder, output):
     page = output / "run.html"
     code, text = run(*report, folder, "--output", page)
     expect("run: exit code 0", code == 0, text)
-    check_page("run", page, ("Done", "Audit", "energy balance", "Assembly, by effect"), 3, 30)
+    check_page("run", page, ("Done", "Audit", "energy gain", "Assembly, by effect"), 3, 30)
     probe = next(iter(sorted((folder / "probes").glob("*.csv"))))
     column = probe.read_text().split("\n")[0].split(",")[1].split(" (")[0]
     reference = output / "reference.csv"
@@ -166,9 +186,10 @@ def main():
             check_page("study", folder / "study.html", ("members", "Cheapest settings", "Pareto front"), 3, 5)
         if not given:
             code, text = run(*report, first, folder / "<other> & run", "--output", folder / "two.html")
-            check_page("two runs", folder / "two.html", ("Side by side", "&lt;other&gt; &amp; run", "Time/Step"), 5, 60)
+            check_page("two runs", folder / "two.html", ("Side by side", "audit", "&lt;other&gt; &amp; run", "Time/Step"), 5, 60)
             code, text = run(*report, folder / "hopeless", "--output", folder / "failure.html")
             check_page("failure", folder / "failure.html", ("Failure", "End of the log"), 1, 20)
+            check_verdict(report, folder / "strict", folder)
         code, text = run(*report, HERE)
         expect("a folder that is no run is refused", code == 1 and "summary.json" in text, text)
     sys.exit(expect.failed)

@@ -1,5 +1,6 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/laws/newtonian_fluid.h>
+#include <selkie/scene/check_scene.h>
 #include <selkie/scene/read_scene.h>
 
 #include <gtest/gtest.h>
@@ -254,4 +255,12 @@ TEST(ReadScene, Refusals)
   expect_refusal({"Inertia/Newmark beta=0.2"}, "Newmark beta", "unstable");
   expect_refusal({"LME/Gamma=6"}, "LME/Gamma", "too few nodes");
   expect_refusal({"Title"}, "Title", "Name=value");
+}
+
+
+TEST(ReadScene, AtMost31SolidBodies)
+{
+  Scene<2> scene             = read_scene<2>(benchmarks + "vibrating_bar.prm");
+  scene.bodies.front().phase = 32;
+  EXPECT_THROW(check_scene(scene), SceneError);
 }

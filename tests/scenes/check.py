@@ -113,6 +113,16 @@ def rigid_translation(selkie, folder):
         check("velocity " + axis, worst(p["velocity " + axis], v[d]) / v[d], 1e-10)
 
 
+def short_interval(selkie, folder):
+    """Intervals of output far below the step mean every step, and take no time of their own."""
+    s = run(selkie, HERE / "rigid_translation.prm", folder, ["Output/Interval=1e-17", "Probes/Interval=1e-17"],
+            picture=True)
+    rows = len(table(folder / "probes" / "corner.csv")["time"])
+    check("rows of a probe - steps - 1", rows - len(s["step"]) - 1, 0)
+    pictures = (folder / "particles.pvd").read_text().count("<DataSet")
+    check("pictures - steps - 1", pictures - len(s["step"]) - 1, 0)
+
+
 def at_rest(selkie, folder):
     """Nothing moves for 20 steps; then momentum = force x time.
 
@@ -255,6 +265,42 @@ def spinning_plate(selkie, folder):
     check("angular momentum, drift in one turn", max(drift, key=abs), 0.08)
     check("min J - 1", worst(s["min J"], 1), 5e-3)
     check("max J - 1", worst(s["max J"], 1), 5e-3)
+
+
+def largest_gain(s):
+    """The largest share of the energy in play that a step but the first gained from nothing, as
+    'Time/Largest energy jump' counts it."""
+    none = [0.] * len(s["step"])
+    of = lambda name: s.get(name, none)
+    stored = [sum(parts) for parts in zip(of("kinetic energy"), of("strain energy"), of("compression energy"))]
+    shares = []
+    for i in range(1, len(none)):
+        change = lambda name: of(name)[i] - of(name)[i - 1]
+        play = max(stored[i - 1:i + 1]) + abs(change("potential energy")) + abs(change("external work"))
+        shares.append(change("energy balance") / (play or 1.))
+    return max(shares)
+
+
+def energy_gain(selkie, folder, scene, *settings):
+    """Prints it for a benchmark."""
+    print(f"{scene}: {largest_gain(run(selkie, BENCHMARKS / (scene + '.prm'), folder, settings)):.2e}")
+
+
+def energy_jump(selkie, folder):
+    """A plate that turns by 0.8 rad a step, which the trapezoidal rule answers with energy:
+    with a limit such steps are taken again, and by the statistics none is left."""
+    limit = 0.1
+    settings = ["Approximation=q4 fem", "Domain/Cells=16, 16", "Bodies/plate/Initial velocity=-10*y; 10*x",
+                "Time/Step=0.08", "Time/End time=0.4"]
+
+    loose = run(selkie, HERE / "spinning_plate.prm", folder / "loose", settings)
+    check("limit / largest gain of a step without it", limit / largest_gain(loose), 0.5)
+    check("cuts without it", loose["step cuts"][-1], 0)
+    strict = run(selkie, HERE / "spinning_plate.prm", folder / "strict", [*settings, f"Time/Largest energy jump={limit}"])
+    check("largest gain of a step over the limit", largest_gain(strict) / limit, 1)
+    check("1 / cuts", 1 / max(strict["step cuts"][-1], 1e-9), 1)
+    said = (folder / "strict" / "log.txt").read_text()
+    check("cuts that log.txt does not explain", strict["step cuts"][-1] - said.count("from nothing"), 0)
 
 
 def bar(selkie, folder, cells, scene="vibrating_bar.prm", v0=1e-3, end=20, settings=()):

@@ -25,10 +25,10 @@ namespace selkie
   template <int dim>
   AdaptReport
   adapt_mesh(dealii::parallel::distributed::Triangulation<dim> &mesh,
-             ParticleSet<dim>                          &particles,
-             const NodeCloud<dim>                      &cloud,
-             const NodalView<dim>                      &nodes,
-             CarriedFields<dim>                        &fields);
+             ParticleSet<dim>                                  &particles,
+             const NodeCloud<dim>                              &cloud,
+             const NodalView<dim>                              &nodes,
+             CarriedFields<dim>                                &fields);
 
   /// Spacing of the finest cells that a scene allows (m).
   template <int dim>

@@ -35,8 +35,9 @@ namespace selkie
   class RunOutput
   {
   public:
-    /// Creates the output folder or, to resume a run, goes on with it. Throws
-    /// SceneError when that fails.
+    /// Creates the output folder or, to resume a run, goes on with it: when
+    /// nothing about the scene is left to refuse. Throws SceneError when that
+    /// fails.
     RunOutput(const Scene<dim> &scene,
               const MPI_Comm    comm,
               Log              &log,

@@ -35,6 +35,7 @@ namespace selkie
   class Stepper
   {
   public:
+    /// @param log takes one line for each fall-back
     Stepper(const Scene<dim>                        &scene,
             ParticleSet<dim>                        &particles,
             const NodeCloud<dim>                    &cloud,
@@ -146,6 +147,10 @@ namespace selkie
     void
     solve_mass(const StepTime &time, const Vector &residual, Vector &a);
     void
+    solve_consistent_mass(const StepTime &time,
+                          const Vector   &residual,
+                          Vector         &a);
+    void
     prepare_conditions(const double t);
     NewtonResult
     solve(const StepTime &time, Vector &residual);
@@ -155,6 +160,8 @@ namespace selkie
     choose_first_guess(const StepTime &time);
     double
     acceleration_scale() const;
+    double
+    unbalanced_work() const;
     void
     collect(const StepTime &time, const Vector &residual, StepReport<dim> &);
     Newmark
@@ -164,6 +171,7 @@ namespace selkie
     ParticleSet<dim>                                   &particles;
     const NodeCloud<dim>                               &cloud;
     TimerTree                                          &timers;
+    const std::function<void(const std::string &)>      log;
     NodeConditions<dim>                                 conditions;
     const std::vector<std::shared_ptr<const Term<dim>>> terms;
 

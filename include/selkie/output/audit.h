@@ -10,6 +10,9 @@
 
 namespace selkie
 {
+  template <int dim>
+  class PointUpdate;
+
   /**
    * What the material points hold together, in SI units; per metre of depth
    * in 2D. What belongs to an effect that the scene does not list stays zero.
@@ -42,6 +45,11 @@ namespace selkie
   template <int dim>
   Audit
   audit(const ParticleSet<dim> &particles);
+
+  /// The same over the points as @p update would make them. Collective.
+  template <int dim>
+  Audit
+  audit(const PointUpdate<dim> &update);
 
   /// Volume ratio of a point: J of a fluid, det F of a solid.
   template <int dim>

@@ -45,7 +45,6 @@ namespace selkie
     /// Collective; call when the points are seeded. The folder
     /// `directory`/probes exists.
     /// @param interval time between two rows (s)
-    /// @throw SceneError if a region holds no point.
     Probes(const Scene<dim>       &scene,
            const ParticleSet<dim> &particles,
            const std::string      &directory,

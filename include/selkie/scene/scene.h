@@ -209,6 +209,7 @@ namespace selkie
     double       smallest_step  = 0.;    ///< s; 0: step / 1024
     unsigned int easy_steps     = 5;     ///< good steps before a cut step grows
     double       max_move       = 0.5;   ///< cells a point may move in a step
+    double       largest_energy_jump = 0.; ///< of the energy in play; 0: any
   };
 
   struct NewtonParameters

@@ -30,7 +30,7 @@ namespace selkie
     }
   };
 
-  /// Collective. Throws SceneError for more than 32 phases.
+  /// Collective.
   template <int dim>
   Occupancy<dim>
   find_occupancy(const ParticleSet<dim> &particles,

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <selkie/base/exceptions.h>
 #include <selkie/solver/multigrid.h>
 #include <selkie/solver/node_blocks.h>
 
 #include <deal.II/lac/precondition.h>
+#include <deal.II/lac/solver_control.h>
 
 #include <memory>
 #include <utility>
@@ -26,6 +28,8 @@ namespace selkie
   {
   public:
     /// @param begin,end the owned unknowns that it is about: ML's rows
+    /// @throw LinearSolverFailure, on all ranks, for an operator that is not
+    /// finite
     TwoLevel(const Operator                    &A,
              const std::shared_ptr<Diagonal>   &diagonal,
              const FloatVector                 &sample,
@@ -47,7 +51,15 @@ namespace selkie
       data.eig_cg_n_iterations = 8; // its safety factor is 1.2
       data.preconditioner      = diagonal;
       smoother.initialize(A, data);
-      smoother.estimate_eigenvalues(sample);
+      try
+        {
+          smoother.estimate_eigenvalues(sample);
+        }
+      catch (const dealii::SolverControl::NoConvergence &)
+        {
+          throw LinearSolverFailure("Chebyshev smoother: the operator's "
+                                    "eigenvalues are not finite");
+        }
     }
 
     /// Other entries of x than those that it is about become zero.

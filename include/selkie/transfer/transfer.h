@@ -8,6 +8,13 @@
 #include <selkie/time/newmark.h>
 #include <selkie/transfer/nodal_state.h>
 
+#include <deal.II/base/array_view.h>
+#include <deal.II/base/point.h>
+#include <deal.II/base/tensor.h>
+
+#include <functional>
+#include <vector>
+
 namespace selkie
 {
   /**
@@ -79,24 +86,60 @@ namespace selkie
                     const System<dim>       &system,
                     const Vector            &a);
 
-  /// What the update of the points did that the equations do not know of.
-  struct AdvanceReport
+  /// The nodes' increments and end values at one point.
+  template <int dim>
+  struct PointEnd
   {
-    double reset_energy = 0; ///< compression energy added by the J reset (J)
+    dealii::Tensor<1, dim> du, dv, v, a;
+    dealii::Tensor<2, dim> grad_du, grad_v;
+    double                 p = 0, J = 1; ///< where there are pressures
   };
 
   /**
-   * Nodes to points, the only writer of point data: positions, velocities
-   * (FLIP or TPIC; interpolated with a Lagrangian mesh), accelerations,
-   * deformation gradients, and the reset of fluid points' J from the nodal
-   * pressure.
-   * @return report, summed over the ranks.
+   * Nodes to points at the end of a step, the only writer of point data:
+   * positions, velocities (FLIP or TPIC; interpolated with a Lagrangian mesh),
+   * accelerations, deformation gradients, and the reset of fluid points' J from
+   * the nodal pressure. Nothing is written before write().
    */
   template <int dim>
-  AdvanceReport
-  advance(ParticleSet<dim>        &particles,
-          const SupportTable<dim> &table,
-          const System<dim>       &system,
-          const Newmark           &newmark,
-          const StepFields        &fields);
+  class PointUpdate
+  {
+  public:
+    /// Collective.
+    /// @throw NumericalFailure, on all ranks, for a pressure that the matter
+    /// cannot have and for what ParticleSet::check_move() refuses.
+    PointUpdate(ParticleSet<dim>        &particles,
+                const SupportTable<dim> &table,
+                const System<dim>       &system,
+                const Newmark           &newmark,
+                const StepFields        &fields);
+
+    /// Shows every owned point as write() would make it: position (m) and
+    /// properties.
+    void
+    preview(const std::function<void(const dealii::Point<dim> &,
+                                     const dealii::ArrayView<const double> &)>
+              &see) const;
+
+    /// Writes and moves the points. Collective.
+    /// @return compression energy added by the reset of J, on all ranks (J)
+    double
+    write();
+
+    ParticleSet<dim> &particles;
+
+  private:
+    /// Of the points, in iteration order.
+    using Properties = std::vector<dealii::ArrayView<double>>;
+
+    /// All but the positions. Returns the energy of the J reset on this rank.
+    double
+    write_to(const Properties &properties) const;
+    void
+    write_mean_J(const Properties &properties) const;
+
+    const SupportTable<dim>            &table;
+    const std::vector<PointEnd<dim>>    values;
+    std::vector<dealii::Tensor<1, dim>> displacements;
+  };
 } // namespace selkie

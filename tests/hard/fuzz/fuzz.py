@@ -76,7 +76,8 @@ def table(path):
 
 def figures(out):
     """What is wrong with statistics.csv and probes/*.csv. Not a number, there, are the
-    height of nobody and the force on a wall before the first step: not known."""
+    height of nobody, the volume ratio of no point and the force on a wall before the
+    first step: not known."""
     for file in [out / "statistics.csv", *sorted((out / "probes").glob("*.csv"))]:
         try:
             columns = table(file)
@@ -85,6 +86,8 @@ def figures(out):
             continue
         for name, values in columns.items():
             known = values[1:] if name.startswith(("force", "moment")) else [] if name.startswith("height") else values
+            if name in ("min J", "max J"):
+                known = [value for value, points in zip(values, columns["points"]) if points]
             if not all(map(math.isfinite, known)):
                 yield f"not finite: '{name}' in {file.name}"
     try:

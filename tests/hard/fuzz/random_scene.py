@@ -458,6 +458,8 @@ class Maker:
             self.set("Output/Mesh", "false")
         if self.maybe(0.1):
             self.set("Output/Audit", "none")
+        if self.maybe(0.15):
+            self.set("Time/Largest energy jump", self.log(1e-3, 1))
 
     # Contradictory or out of range.
 
