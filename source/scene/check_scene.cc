@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 
 namespace selkie
@@ -54,6 +55,12 @@ namespace selkie
         fail(scene, "Time/Step", "the time step must be positive");
       if (time.end_time <= 0)
         fail(scene, "Time/End time", "it must be positive");
+      const double most_steps = std::numeric_limits<unsigned int>::max();
+      if (time.end_time > most_steps * time.step)
+        fail(scene,
+             "Time/Step",
+             "'Time/End time' is more than 4e9 such steps away, which the "
+             "program does not count; allowed are longer steps");
       if (time.smallest_step > time.step)
         fail(scene,
              "Time/Smallest step",
