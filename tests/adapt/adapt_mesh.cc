@@ -111,6 +111,79 @@ namespace
     const char *wish = std::getenv("SELKIE_TEST_ADAPTATIONS");
     return wish != nullptr ? std::atoi(wish) : 30;
   }
+
+  /// A block of water in the middle of a box.
+  const char *const water_3d = R"(
+set Title          = water
+set Dimension      = 3
+set Effects        = inertia, adaptivity
+set Points leaving = keep
+subsection Domain
+  set Lower corner = 0, 0, 0
+  set Upper corner = 0.6, 0.6, 0.6
+  set Cells        = 6, 6, 6
+end
+subsection Bodies
+  set Names = water
+  subsection water
+    set Law    = newtonian fluid
+    set Shape  = box(0.1, 0.1, 0.1, 0.5, 0.5, 0.5)
+    set Jitter = 0.2
+    set Initial velocity = 0.3*y*x; 0.2*z; x
+    subsection Law parameters
+      set Density      = 1000
+      set Bulk modulus = 2e5
+    end
+  end
+end
+subsection Adaptivity
+  set Finer levels   = 1
+  set Coarser levels = 1
+  set Surface        = true
+  set Buffer         = 1
+end
+subsection Time
+  set End time = 0.1
+  set Step     = 2e-3
+end
+)";
+
+  template <int dim>
+  void
+  lose_nothing(const Scene<dim> &scene, const unsigned int n_adaptations)
+  {
+    World<dim>         world(scene, MPI_COMM_WORLD);
+    unsigned long long split = 0, merged = 0;
+    for (unsigned int step = 0; step < n_adaptations; ++step)
+      {
+        world.move(step, true);
+        const Audit before = audit(world.particles);
+        const auto  report = world.adapt();
+        const Audit after  = audit(world.particles);
+        // Ids are unique, the count is the one that is booked.
+        const auto &booked = world.particles.accounting;
+        const auto  n      = world.particles.handler().n_global_particles();
+        ASSERT_EQ(n, booked.seeded + booked.split - booked.merged);
+        if (step % 20 == 0)
+          ASSERT_EQ(world.points().size(), n);
+        ASSERT_NEAR(after.mass, before.mass, 1e-11 * before.mass);
+        ASSERT_NEAR(after.volume, before.volume, 1e-11 * before.volume);
+        const double p = std::sqrt(2. * before.mass * before.kinetic);
+        ASSERT_LT((after.momentum - before.momentum).norm(), 1e-11 * p);
+        ASSERT_LT(after.center.distance(before.center), 1e-12);
+        EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(),
+                  1e-4 * p)
+          << "step " << step;
+        ASSERT_NEAR(report.energy,
+                    after.energy() - before.energy(),
+                    1e-9 * before.energy());
+        split  = booked.split;
+        merged = booked.merged;
+      }
+    EXPECT_GT(split, 0u);
+    if (dim == 2) // the block in space is all surface
+      EXPECT_GT(merged, 0u);
+  }
 } // namespace
 
 
@@ -145,38 +218,14 @@ TEST(AdaptMeshMPI, IsTheSameOnAnyRanks)
 /// 10000.)
 TEST(AdaptMeshMPI, LosesNothing)
 {
-  const auto scene =
-    small_scenes::read<2>(small_scenes::fluid_on_solid(), adaptive);
-  World<2>           world(scene, MPI_COMM_WORLD);
-  unsigned long long split = 0, merged = 0;
-  for (unsigned int step = 0; step < n_adaptations(); ++step)
-    {
-      world.move(step, true);
-      const Audit before = audit(world.particles);
-      const auto  report = world.adapt();
-      const Audit after  = audit(world.particles);
-      // Ids are unique, the count is the one that is booked.
-      const auto &booked = world.particles.accounting;
-      const auto  n      = world.particles.handler().n_global_particles();
-      ASSERT_EQ(n, booked.seeded + booked.split - booked.merged);
-      if (step % 20 == 0)
-        ASSERT_EQ(world.points().size(), n);
-      ASSERT_NEAR(after.mass, before.mass, 1e-11 * before.mass);
-      ASSERT_NEAR(after.volume, before.volume, 1e-11 * before.volume);
-      const double p = std::sqrt(2. * before.mass * before.kinetic);
-      ASSERT_LT((after.momentum - before.momentum).norm(), 1e-11 * p);
-      ASSERT_LT(after.center.distance(before.center), 1e-12);
-      EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(),
-                1e-4 * p)
-        << "step " << step;
-      ASSERT_NEAR(report.energy,
-                  after.energy() - before.energy(),
-                  1e-9 * before.energy());
-      split  = booked.split;
-      merged = booked.merged;
-    }
-  EXPECT_GT(split, 0u);
-  EXPECT_GT(merged, 0u);
+  lose_nothing(small_scenes::read<2>(small_scenes::fluid_on_solid(), adaptive),
+               n_adaptations());
+}
+
+
+TEST(AdaptMeshMPI, LosesNothingIn3D)
+{
+  lose_nothing(small_scenes::read<3>(water_3d), 6);
 }
 
 
