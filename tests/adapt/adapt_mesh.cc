@@ -165,7 +165,9 @@ end
         const auto  n      = world.particles.handler().n_global_particles();
         ASSERT_EQ(n, booked.seeded + booked.split - booked.merged);
         if (step % 20 == 0)
-          ASSERT_EQ(world.points().size(), n);
+          {
+            ASSERT_EQ(world.points().size(), n);
+          }
         ASSERT_NEAR(after.mass, before.mass, 1e-11 * before.mass);
         ASSERT_NEAR(after.volume, before.volume, 1e-11 * before.volume);
         const double p = std::sqrt(2. * before.mass * before.kinetic);
@@ -182,7 +184,9 @@ end
       }
     EXPECT_GT(split, 0u);
     if (dim == 2) // the block in space is all surface
-      EXPECT_GT(merged, 0u);
+      {
+        EXPECT_GT(merged, 0u);
+      }
   }
 } // namespace
 
