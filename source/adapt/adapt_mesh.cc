@@ -5,7 +5,6 @@
 #include <selkie/particles/rearrange.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace selkie
 {
@@ -100,21 +99,13 @@ namespace selkie
       }
     if (wishes.points == PointAdaptation::keep)
       return report;
-    const double before = audit(particles).energy();
+    const auto energy = [&particles] {
+      return particles.scene.audit ? audit(particles).energy() : 0.;
+    };
+    const double before = energy();
     if (fit_points(particles))
-      report.energy = audit(particles).energy() - before;
+      report.energy = energy() - before;
     return report;
-  }
-
-
-  template <int dim>
-  double
-  finest_spacing(const Domain<dim> &domain, const Adaptivity &wishes)
-  {
-    double h = std::numeric_limits<double>::max();
-    for (unsigned int d = 0; d < dim; ++d)
-      h = std::min(h, (domain.upper[d] - domain.lower[d]) / domain.cells[d]);
-    return std::ldexp(h, -int(wishes.finer));
   }
 
 
@@ -123,8 +114,7 @@ namespace selkie
                                   ParticleSet<dim> &,                          \
                                   const NodeCloud<dim> &,                      \
                                   const NodalView<dim> &,                      \
-                                  CarriedFields<dim> &);                       \
-  template double      finest_spacing(const Domain<dim> &, const Adaptivity &)
+                                  CarriedFields<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

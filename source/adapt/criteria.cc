@@ -1,6 +1,6 @@
 #include <selkie/adapt/criteria.h>
 #include <selkie/mesh/background_mesh.h>
-#include <selkie/mesh/cell_locator.h>
+#include <selkie/scene/check_scene.h>
 #include <selkie/shape/occupancy.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ namespace selkie
     /// The cells with points, in the order of the points.
     template <int dim>
     std::vector<OccupiedCell<dim>>
-    occupied_cells(const ParticleSet<dim> &particles)
+    cells_with_points(const ParticleSet<dim> &particles)
     {
       std::vector<OccupiedCell<dim>> cells;
       for (const auto &point : particles.handler())
@@ -184,6 +184,15 @@ namespace selkie
       return v;
     }
 
+    template <int dim>
+    double
+    largest_speed(const NodeCloud<dim> &cloud, const NodalView<dim> &nodes)
+    {
+      return largest_of_nodes(cloud, [&nodes](const unsigned int node) {
+        return velocity_of(nodes, node).norm();
+      });
+    }
+
     /// The largest difference between two corners of each cell.
     template <int dim, typename Difference>
     std::vector<double>
@@ -214,10 +223,6 @@ namespace selkie
                    const double                    most,
                    std::vector<OccupiedCell<dim>> &cells)
     {
-      const double scale =
-        largest_of_nodes(cloud, [&nodes](const unsigned int node) {
-          return velocity_of(nodes, node).norm();
-        });
       limit(cells,
             differences(
               cloud,
@@ -226,7 +231,7 @@ namespace selkie
               [&nodes](const unsigned int a, const unsigned int b) {
                 return (velocity_of(nodes, a) - velocity_of(nodes, b)).norm();
               }),
-            most * scale);
+            most * largest_speed(cloud, nodes));
     }
 
     template <int dim>
@@ -286,14 +291,10 @@ namespace selkie
                 const double                    most,
                 std::vector<OccupiedCell<dim>> &cells)
     {
-      const double scale =
-        largest_of_nodes(cloud, [&nodes](const unsigned int node) {
-          return velocity_of(nodes, node).norm();
-        });
       std::vector<double> figures;
       for (const auto &one : cells)
         figures.push_back(missed_by_parent(cloud, nodes, one.cell));
-      limit(cells, figures, most * scale);
+      limit(cells, figures, most * largest_speed(cloud, nodes));
     }
 
     /// The box of a cell with so much around it (m).
@@ -315,7 +316,7 @@ namespace selkie
                const NodalView<dim>   &nodes)
   {
     const auto &wishes = *particles.scene.adaptivity;
-    auto        cells  = occupied_cells(particles);
+    auto        cells  = cells_with_points(particles);
     if (wishes.surface)
       mark_surface(cloud, cells);
     if (wishes.interface)
@@ -333,8 +334,7 @@ namespace selkie
 
     const auto  &domain = particles.scene.domain;
     const auto   finest = base_level(domain) + wishes.finer;
-    const double buffer = wishes.buffer * (domain.upper[0] - domain.lower[0]) /
-                          domain.cells[0] / std::pow(2., wishes.finer);
+    const double buffer = wishes.buffer * finest_spacing(domain, wishes);
     std::vector<typename WantedLevels<dim>::Part> parts;
     for (const auto &one : cells)
       {
@@ -347,9 +347,18 @@ namespace selkie
   }
 
 
-#define INSTANTIATE(dim)                                               \
-  template std::vector<typename WantedLevels<dim>::Part> wanted_parts( \
-    const ParticleSet<dim> &, const NodeCloud<dim> &, const NodalView<dim> &)
+  template <int dim>
+  double
+  finest_spacing(const Domain<dim> &domain, const Adaptivity &wishes)
+  {
+    return std::ldexp(cell_size(domain), -int(wishes.finer));
+  }
+
+
+#define INSTANTIATE(dim)                                                       \
+  template std::vector<typename WantedLevels<dim>::Part> wanted_parts(         \
+    const ParticleSet<dim> &, const NodeCloud<dim> &, const NodalView<dim> &); \
+  template double finest_spacing(const Domain<dim> &, const Adaptivity &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -1,6 +1,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/energy_jump.h>
 #include <selkie/drivers/residual_report.h>
+#include <selkie/drivers/start_acceleration.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/laws/volumetric_law.h>
 
@@ -431,74 +432,21 @@ namespace selkie
       }
     for (auto *vector : {&fields.x, &fields.v_n, &fields.a_n})
       vector->update_ghost_values();
-    Vector residual, a_0;
+    Vector residual;
     unknowns.initialize(residual);
-    unknowns.initialize(a_0);
     assembler.assemble(table, time, fields, 1., false, residual);
-    solve_mass(time, residual, a_0);
-    a_0.update_ghost_values();
+    const Vector a_0 = start_acceleration(scene,
+                                          terms,
+                                          table,
+                                          time,
+                                          fields,
+                                          residual,
+                                          unknowns,
+                                          linear_solver,
+                                          log);
     set_accelerations(particles, table, unknowns, a_0);
     if (nodes)
       nodes->set_acceleration(unknowns, a_0);
-  }
-
-  /// M a = -residual in the free displacements, with the mass of the scene. The
-  /// consistent mass of fewer points than nodes is singular, and such a body
-  /// starts with the lumped one.
-  template <int dim>
-  void
-  Stepper<dim>::solve_mass(const StepTime &time,
-                           const Vector   &residual,
-                           Vector         &a)
-  {
-    if (scene.inertia->mass == MassKind::consistent)
-      try
-        {
-          solve_consistent_mass(time, residual, a);
-          return;
-        }
-      catch (const LinearSolverFailure &failure)
-        {
-          log("Consistent mass: " + std::string(failure.what()) +
-              "; the acceleration at the start is that of the lumped mass");
-        }
-    a = 0.;
-    for (unsigned int i = 0; i < unknowns.n_owned_displacements(); ++i)
-      if (!unknowns.held(i))
-        a.local_element(i) =
-          -residual.local_element(i) / fields.mass.local_element(i);
-  }
-
-  template <int dim>
-  void
-  Stepper<dim>::solve_consistent_mass(const StepTime &time,
-                                      const Vector   &residual,
-                                      Vector         &a)
-  {
-    const unsigned int n_u = unknowns.n_owned_displacements();
-    // The tangent of the inertia alone is alpha1 M; pressures have no mass.
-    typename Assembler<dim>::Terms inertia;
-    for (const auto &term : terms)
-      if (term->use().acceleration)
-        inertia.push_back(term);
-    Vector rhs(residual);
-    Assembler<dim>(inertia, unknowns)
-      .assemble(table, time, fields, 1., true, rhs);
-    rhs = 0.;
-    for (unsigned int i = 0; i < n_u; ++i)
-      if (!unknowns.held(i))
-        rhs.local_element(i) = -time.newmark.alpha1 * residual.local_element(i);
-    for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
-      {
-        const auto row = unknowns.partitioner()->local_to_global(i);
-        unknowns.matrix().add(row, row, 1.);
-      }
-    unknowns.matrix().compress(VectorOperation::add);
-    const SystemTraits of_mass;
-    linear_solver.solve_first_by(
-      SolverKind::minres_jacobi,
-      {unknowns, of_mass, rhs, scene.linear_solver.tolerance},
-      a);
   }
 
   template <int dim>

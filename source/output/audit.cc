@@ -112,26 +112,7 @@ namespace selkie
       sum.center += b.center;
       return sum;
     }
-  } // namespace
 
-
-  template <int dim>
-  double
-  volume_ratio(const ParticleSet<dim>                &particles,
-               const dealii::ArrayView<const double> &properties)
-  {
-    const auto &columns = particles.columns;
-    const auto &body =
-      particles.scene
-        .bodies[static_cast<unsigned int>(columns.body(properties))];
-    return body.law->phase() == Phase::fluid
-             ? columns.J(properties)
-             : dealii::determinant(columns.F(properties));
-  }
-
-
-  namespace
-  {
     /// @param for_each calls a function with position and properties of every
     /// owned point
     template <int dim, typename ForEach>
@@ -236,11 +217,6 @@ namespace selkie
   audit(const PointUpdate<2> &);
   template Audit
   audit(const PointUpdate<3> &);
-
-  template double
-  volume_ratio(const ParticleSet<2> &, const dealii::ArrayView<const double> &);
-  template double
-  volume_ratio(const ParticleSet<3> &, const dealii::ArrayView<const double> &);
 
   template void
   set_columns(const Audit &, const ParticleSet<2> &, Statistics &);

@@ -1,5 +1,6 @@
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
+#include <selkie/particles/first_state.h>
 #include <selkie/particles/particle_set.h>
 
 #include <deal.II/base/exceptions.h>
@@ -90,83 +91,6 @@ namespace selkie
   ParticleSet<dim>::~ParticleSet() = default;
 
 
-  namespace
-  {
-    /// Central differences with step @p h (m): exact for quadratic fields.
-    template <int dim>
-    dealii::Tensor<2, dim>
-    gradient(const VectorExpression<dim> &field,
-             const dealii::Point<dim>    &x,
-             const double                 h)
-    {
-      dealii::Tensor<2, dim> result;
-      for (unsigned int j = 0; j < dim; ++j)
-        {
-          dealii::Point<dim> ahead = x, behind = x;
-          ahead[j] += h;
-          behind[j] -= h;
-          const auto difference =
-            field.value(ahead, 0., ahead) - field.value(behind, 0., behind);
-          for (unsigned int i = 0; i < dim; ++i)
-            result[i][j] = difference[i] / (2. * h);
-        }
-      return result;
-    }
-
-    /// The part of a loaded face (m^2; m in 2D) that a point carries: that of
-    /// its lattice cell if the point is of the layer next to the face.
-    template <int dim>
-    double
-    traction_area(const Scene<dim> &scene, const Seed<dim> &seed)
-    {
-      const double spacing = std::pow(seed.volume, 1. / dim);
-      for (const auto &traction : scene.tractions)
-        if (traction.body == seed.body)
-          {
-            const auto box = scene.bodies[seed.body].shape->bounding_box();
-            const unsigned int d = traction.face / 2;
-            const double       plane =
-              traction.face % 2 == 0 ? box.lower_bound(d) : box.upper_bound(d);
-            if (std::abs(seed.x[d] - plane) < spacing)
-              return seed.volume / spacing;
-          }
-      return 0.;
-    }
-  } // namespace
-
-
-  template <int dim>
-  void
-  ParticleSet<dim>::fill_properties(
-    const Seed<dim>                 &seed,
-    const dealii::ArrayView<double> &properties) const
-  {
-    const Body<dim> &body = scene.bodies[seed.body];
-    std::fill(properties.begin(), properties.end(), 0.);
-    columns.body.set(properties, seed.body);
-    columns.mass.set(properties, body.law->density() * seed.volume);
-    columns.volume.set(properties, seed.volume);
-    if (columns.X.exists())
-      columns.X.set(properties, seed.x);
-    if (columns.v.exists() && body.initial_velocity)
-      columns.v.set(properties,
-                    body.initial_velocity->value(seed.x, 0., seed.x));
-    if (columns.grad_v.exists() && body.initial_velocity)
-      columns.grad_v.set(properties,
-                         gradient(*body.initial_velocity,
-                                  seed.x,
-                                  0.1 * std::pow(seed.volume, 1. / dim)));
-    if (columns.traction_area.exists())
-      columns.traction_area.set(properties, traction_area(scene, seed));
-    if (columns.F.exists())
-      columns.F.set(properties, dealii::unit_symmetric_tensor<dim>());
-    if (columns.J.exists())
-      columns.J.set(properties, 1.);
-    if (columns.mean_J.exists())
-      columns.mean_J.set(properties, 1.);
-  }
-
-
   template <int dim>
   void
   ParticleSet<dim>::seed()
@@ -179,7 +103,7 @@ namespace selkie
     double                       mass = 0;
     for (const Seed<dim> &seed : seeds)
       {
-        fill_properties(seed, view);
+        set_first_state(scene, columns, seed, view);
         mass += columns.mass(view);
         points.insert_particle(
           seed.x, seed.reference, seed.id, seed.cell, properties);

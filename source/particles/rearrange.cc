@@ -1,5 +1,6 @@
 #include <selkie/laws/kinematics.h>
 #include <selkie/particles/rearrange.h>
+#include <selkie/particles/volume_ratio.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -53,12 +54,8 @@ namespace selkie
     volume(const ParticleSet<dim>        &particles,
            const ArrayView<const double> &properties)
     {
-      const auto  &columns = particles.columns;
-      const double V_0     = columns.volume(properties);
-      const auto   body = static_cast<unsigned int>(columns.body(properties));
-      if (particles.scene.bodies[body].law->phase() == Phase::fluid)
-        return V_0 * columns.J(properties);
-      return V_0 * determinant(columns.F(properties));
+      return particles.columns.volume(properties) *
+             volume_ratio(particles, properties);
     }
 
     /// The points of each cell and body, in the order of their ids.

@@ -259,6 +259,39 @@ TEST(AdaptMeshMPI, NeighboursDifferByOneLevel)
 }
 
 
+/// No more cells than the scene allows, and where the user has put a box they
+/// stay fine, whatever the criteria want.
+TEST(AdaptMeshMPI, KeepsToTheUsersLimits)
+{
+  auto overrides = adaptive;
+  overrides.push_back("Adaptivity/Most cells=150");
+  const auto few =
+    small_scenes::read<2>(small_scenes::fluid_on_solid(), overrides);
+  World<2> coarse(few, MPI_COMM_WORLD);
+  coarse.adapt();
+  EXPECT_LE(coarse.cells().size(), 150u);
+  EXPECT_GE(coarse.cells().size(), 40u);
+
+  overrides.back() = "Domain/Refinements/Names=corner";
+  overrides.push_back("Domain/Refinements/corner/Shape=box(0, 0.65, 0.1, 0.8)");
+  overrides.push_back("Domain/Refinements/corner/Levels=2");
+  const auto boxed =
+    small_scenes::read<2>(small_scenes::fluid_on_solid(), overrides);
+  World<2> fine(boxed, MPI_COMM_WORLD);
+  for (unsigned int step = 0; step < 3; ++step)
+    {
+      fine.move(step, false);
+      fine.adapt();
+      for (const auto &cell : fine.mesh->active_cell_iterators())
+        if (cell->is_locally_owned() && cell->center()[0] < 0.1 &&
+            cell->center()[1] > 0.7)
+          {
+            EXPECT_EQ(cell->level(), 2);
+          }
+    }
+}
+
+
 /// Four points of a cell that go to one and come back as four keep all that
 /// the scheme says, and a rigid rotation keeps its spin.
 TEST(RearrangeMPI, KeepsSpin)

@@ -9,7 +9,7 @@ namespace selkie
   struct AdaptReport
   {
     bool changed = false; ///< the mesh or its partition: build what hangs on it
-    double energy = 0;    ///< what merging and splitting points added (J)
+    double energy = 0;    ///< by splitting and merging points (J), if audited
   };
 
   /**
@@ -29,9 +29,4 @@ namespace selkie
              const NodeCloud<dim>                              &cloud,
              const NodalView<dim>                              &nodes,
              CarriedFields<dim>                                &fields);
-
-  /// Spacing of the finest cells that a scene allows (m).
-  template <int dim>
-  double
-  finest_spacing(const Domain<dim> &domain, const Adaptivity &wishes);
 } // namespace selkie

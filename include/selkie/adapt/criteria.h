@@ -30,4 +30,9 @@ namespace selkie
   wanted_parts(const ParticleSet<dim> &particles,
                const NodeCloud<dim>   &cloud,
                const NodalView<dim>   &nodes);
+
+  /// Spacing of the finest cells that a scene allows (m).
+  template <int dim>
+  double
+  finest_spacing(const Domain<dim> &domain, const Adaptivity &wishes);
 } // namespace selkie

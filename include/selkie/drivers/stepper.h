@@ -145,12 +145,6 @@ namespace selkie
     SystemTraits
     traits(const Newmark &newmark) const;
     void
-    solve_mass(const StepTime &time, const Vector &residual, Vector &a);
-    void
-    solve_consistent_mass(const StepTime &time,
-                          const Vector   &residual,
-                          Vector         &a);
-    void
     prepare_conditions(const double t);
     NewtonResult
     solve(const StepTime &time, Vector &residual);

@@ -2,6 +2,7 @@
 
 #include <selkie/output/statistics.h>
 #include <selkie/particles/particle_set.h>
+#include <selkie/particles/volume_ratio.h>
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
@@ -50,12 +51,6 @@ namespace selkie
   template <int dim>
   Audit
   audit(const PointUpdate<dim> &update);
-
-  /// Volume ratio of a point: J of a fluid, det F of a solid.
-  template <int dim>
-  double
-  volume_ratio(const ParticleSet<dim>                &particles,
-               const dealii::ArrayView<const double> &properties);
 
   /// Sets the audit's columns of those effects that the scene has.
   template <int dim>

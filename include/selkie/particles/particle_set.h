@@ -177,9 +177,6 @@ namespace selkie
 
     void
     displace_at_start();
-    void
-    fill_properties(const Seed<dim>                 &seed,
-                    const dealii::ArrayView<double> &properties) const;
     Motion
     plan(const std::vector<dealii::Tensor<1, dim>> &displacements) const;
     Motion
