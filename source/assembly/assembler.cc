@@ -387,12 +387,10 @@ namespace selkie
     begin(table, time, fields);
     residual = 0.;
     if (with_tangent)
-      tangent.begin(system.matrix(), system.matrix_columns(), pressure_unit);
+      tangent.begin(system.matrix(), pressure_unit);
     const bool with_hats = with_tangent && system.hats();
     if (with_hats)
-      hat_tangent.begin(*system.hats(),
-                        system.matrix_columns_of_hats(),
-                        pressure_unit);
+      hat_tangent.begin(*system.hats(), pressure_unit);
 
     std::string failure;
     for (const auto &patch : table.patches)

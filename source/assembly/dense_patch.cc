@@ -156,10 +156,12 @@ namespace selkie
       for (unsigned int i = 0; i < dim; ++i)
         {
           const double g_a = g[i * n_padded + a], E_a = E[i * n_padded + a];
-          double      *row = block.data() + std::size_t(a * n_components + i) *
-                                         n_components * n_padded;
-          for (unsigned int b = 0; b < dim * n_padded; ++b)
-            row[b] += (E_a + s * g_a) * g[b] + g_a * E[b];
+          double      *row =
+            block.data() + std::size_t(a * n_components + i) * row_length();
+          for (unsigned int k = 0; k < dim; ++k)
+            for (unsigned int b = 0; b < n_padded; ++b)
+              row[dim * b + k] += (E_a + s * g_a) * g[k * n_padded + b] +
+                                  g_a * E[k * n_padded + b];
         }
   }
 
@@ -238,6 +240,24 @@ namespace selkie
         }
     }
 
+    /// The first dim vectors, lane by lane.
+    template <int dim, int n>
+    void
+    store_by_nodes(const Lanes (&values)[n], double *to)
+    {
+      if constexpr (dim == 2)
+        {
+          Lanes first, second;
+          simd::interleave(values[0], values[1], first, second);
+          simd::store(first, to);
+          simd::store(second, to + lanes);
+        }
+      else
+        for (unsigned int lane = 0; lane < lanes; ++lane)
+          for (unsigned int d = 0; d < dim; ++d)
+            to[lane * dim + d] = values[d][lane];
+    }
+
     /// All rows of the block: for each node a, the products with the other
     /// nodes are summed over the points in registers and stored once.
     template <int dim, int n_components, bool mass>
@@ -272,9 +292,12 @@ namespace selkie
                   add_row<dim, n_components, mass>(rows[q], N_b, G_b, sum);
                 }
               for (unsigned int i = 0; i < n_components; ++i)
-                for (unsigned int k = 0; k < n_components; ++k)
-                  simd::store(sum[i][k],
-                              row + (i * n_components + k) * n_padded + b);
+                {
+                  double *row_i = row + i * n_components * n_padded;
+                  store_by_nodes<dim>(sum[i], row_i + dim * b);
+                  if constexpr (n_components > dim)
+                    simd::store(sum[i][dim], row_i + dim * n_padded + b);
+                }
             }
           if constexpr (n_components > dim)
             for (unsigned int q = 0; q < patch.n_points; ++q)

@@ -1,12 +1,11 @@
 #include <selkie/assembly/system.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/lac/dynamic_sparsity_pattern.h>
-#include <deal.II/lac/sparsity_tools.h>
 
 #include <boost/functional/hash.hpp>
 
 #include <algorithm>
+#include <numeric>
 
 namespace selkie
 {
@@ -19,7 +18,18 @@ namespace selkie
     : cloud(cloud)
     , conditions(conditions)
     , pressure_phases(pressure_phases)
-  {}
+    , by_position(cloud.n_owned())
+  {
+    std::iota(by_position.begin(), by_position.end(), 0u);
+    std::sort(by_position.begin(),
+              by_position.end(),
+              [&cloud](const unsigned int a, const unsigned int b) {
+                for (int d = dim - 1; d >= 0; --d)
+                  if (cloud.position(a)[d] != cloud.position(b)[d])
+                    return cloud.position(a)[d] < cloud.position(b)[d];
+                return false;
+              });
+  }
 
   template <int dim>
   void
@@ -43,7 +53,7 @@ namespace selkie
     const MPI_Comm comm = cloud.partitioner()->get_mpi_communicator();
     nodes.clear();
     p_nodes.clear();
-    for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+    for (const unsigned int node : by_position)
       if (occupancy.active[node] != 0)
         {
           nodes.push_back(node);
@@ -133,88 +143,94 @@ namespace selkie
     return hash;
   }
 
-  /// A matrix in which the nodes of each list couple with each other: all
-  /// displacements, and the pressures of the lists that have one.
   template <int dim>
-  typename System<dim>::Matrix
+  std::shared_ptr<SystemMatrix>
   System<dim>::make_matrix(const std::vector<Coupling> &couplings) const
   {
-    // Node by node: a row of a node couples with all lists that it is in.
-    std::vector<std::vector<const Coupling *>> lists_of(cloud.size());
-    for (const auto &coupling : couplings)
-      for (const unsigned int node : coupling.nodes)
-        lists_of[node].push_back(&coupling);
-
-    std::vector<unsigned int> seen(cloud.size(), 0);
-    unsigned int              visit      = 0;
-    const auto                neighbours = [&](const unsigned int         node,
-                                const bool                 with_pressure,
-                                std::vector<unsigned int> &list) {
-      list.clear();
-      ++visit;
-      for (const Coupling *coupling : lists_of[node])
-        if (!with_pressure || coupling->pressure)
-          for (const unsigned int other : coupling->nodes)
-            {
-              if (seen[other] != visit)
-                list.push_back(other);
-              seen[other] = visit;
-            }
+    const auto global = [&](const unsigned int unknown) {
+      return partition->local_to_global(unknown);
+    };
+    const auto append = [](std::vector<ColumnRun>       &runs,
+                           const unsigned int            first,
+                           const types::global_dof_index begin,
+                           const unsigned int            n,
+                           const bool                    pressures) {
+      if (runs.size() > first && runs.back().end == begin &&
+          runs.back().pressures == pressures)
+        runs.back().end += n;
+      else
+        runs.push_back({begin, begin + n, pressures, 0});
     };
 
-    IndexSet relevant = partition->locally_owned_range();
-    relevant.add_indices(partition->ghost_indices());
-    DynamicSparsityPattern pattern(n_global(), n_global(), relevant);
-    std::vector<types::global_dof_index> entries;
-    std::vector<unsigned int>            all_nodes, pressure_nodes;
+    // The columns of each list, pressures last; and the lists of each node.
+    struct List
+    {
+      unsigned int begin, pressures, end; // in runs
+    };
+    std::vector<List>         lists;
+    std::vector<ColumnRun>    runs;
+    std::vector<unsigned int> lists_begin(cloud.size() + 1, 0);
+    for (const Coupling &coupling : couplings)
+      {
+        List &list = lists.emplace_back();
+        list.begin = runs.size();
+        for (auto node = coupling.begin; node != coupling.end; ++node)
+          {
+            ++lists_begin[*node + 1];
+            append(runs, list.begin, global(u_index[*node]), dim, false);
+          }
+        list.pressures = runs.size();
+        if (coupling.pressure)
+          for (auto node = coupling.begin; node != coupling.end; ++node)
+            append(runs, list.pressures, global(p_index[*node]), 1, true);
+        list.end = runs.size();
+      }
+    std::partial_sum(lists_begin.begin(),
+                     lists_begin.end(),
+                     lists_begin.begin());
+    std::vector<unsigned int> lists_of(lists_begin.back()), next = lists_begin;
+    for (unsigned int i = 0; i < lists.size(); ++i)
+      for (auto node = couplings[i].begin; node != couplings[i].end; ++node)
+        lists_of[next[*node]++] = i;
+
+    const auto columns_of = [&](const unsigned int node,
+                                const bool         only_with_pressure,
+                                const ColumnRun   &diagonal) {
+      std::vector<ColumnRun> columns(1, diagonal);
+      for (unsigned int k = lists_begin[node]; k < lists_begin[node + 1]; ++k)
+        {
+          const List &list = lists[lists_of[k]];
+          if (!only_with_pressure || list.pressures < list.end)
+            columns.insert(columns.end(),
+                           runs.begin() + list.begin,
+                           runs.begin() + list.end);
+        }
+      join(columns);
+      columns.shrink_to_fit();
+      return columns;
+    };
+    std::vector<RowGroup> groups;
     for (unsigned int node = 0; node < cloud.size(); ++node)
       if (u_index[node] != invalid_index)
         {
-          const auto global = [&](const unsigned int index) {
-            return partition->local_to_global(index);
-          };
-          const auto set_columns =
-            [&](const std::vector<unsigned int> &u_list) {
-              entries.clear();
-              for (const unsigned int b : u_list)
-                for (unsigned int d = 0; d < dim; ++d)
-                  entries.push_back(global(u_index[b]) + d);
-              if (pressure_phases != 0)
-                for (const unsigned int b : pressure_nodes)
-                  entries.push_back(global(p_index[b]));
-              std::sort(entries.begin(), entries.end());
-            };
-          neighbours(node, false, all_nodes);
-          if (pressure_phases != 0)
-            neighbours(node, true, pressure_nodes);
-          set_columns(all_nodes);
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              const auto row = global(u_index[node]) + d;
-              pattern.add_entries(row, entries.begin(), entries.end(), true);
-              pattern.add(row, row);
-            }
+          const auto u = global(u_index[node]);
+          groups.push_back({u_index[node],
+                            dim,
+                            columns_of(node, false, {u, u + dim, false, 0})});
           if (pressure(node) != invalid_index)
             {
-              const auto row = global(p_index[node]);
-              set_columns(pressure_nodes);
-              pattern.add_entries(row, entries.begin(), entries.end(), true);
-              pattern.add(row, row);
+              const auto p = global(p_index[node]);
+              groups.push_back({p_index[node],
+                                1,
+                                columns_of(node, true, {p, p + 1, true, 0})});
             }
         }
-    const MPI_Comm comm = partition->get_mpi_communicator();
-    const auto    &own  = partition->locally_owned_range();
-    if (Utilities::MPI::n_mpi_processes(comm) > 1)
-      SparsityTools::distribute_sparsity_pattern(pattern, own, comm, relevant);
-    Matrix result;
-    result.values = std::make_shared<TrilinosWrappers::SparseMatrix>();
-    result.values->reinit(own, own, pattern, comm, true);
-
-    result.columns.resize(is_held.size());
-    for (unsigned int i = 0; i < result.columns.size(); ++i)
-      result.columns[i] = result.values->trilinos_matrix().ColMap().LID(
-        static_cast<int>(partition->local_to_global(i)));
-    return result;
+    std::sort(groups.begin(),
+              groups.end(),
+              [](const RowGroup &a, const RowGroup &b) {
+                return a.first_row < b.first_row;
+              });
+    return std::make_shared<SystemMatrix>(partition, std::move(groups));
   }
 
   template <int dim>
@@ -225,13 +241,12 @@ namespace selkie
     for (const auto &patch : table.patches)
       if (patch.matter)
         {
-          const auto first = table.nodes.begin() + patch.first_node;
-          couplings.push_back({{first, first + patch.n_nodes},
+          const unsigned int *first = table.nodes.data() + patch.first_node;
+          couplings.push_back({first,
+                               first + patch.n_nodes,
                                bool((pressure_phases >> patch.phase) & 1u)});
         }
-    auto matrix = make_matrix(couplings);
-    tangent     = std::move(matrix.values);
-    columns     = std::move(matrix.columns);
+    tangent = make_matrix(couplings);
     ++sparsity_builds;
     hat_tangent.reset();
     if (hats_wanted)
@@ -242,17 +257,24 @@ namespace selkie
   void
   System<dim>::build_hats(const SupportTable<dim> &table)
   {
+    constexpr unsigned int    n_corners = 1u << dim;
+    std::vector<unsigned int> corners;
+    for (const auto &patch : table.patches)
+      if (patch.matter)
+        for (const unsigned int node : cloud.corners(patch.cell))
+          corners.push_back(node);
+
     std::vector<Coupling> couplings;
     for (const auto &patch : table.patches)
       if (patch.matter)
         {
-          const auto corners = cloud.corners(patch.cell);
-          couplings.push_back({{corners.begin(), corners.end()},
+          const unsigned int *first =
+            corners.data() + n_corners * couplings.size();
+          couplings.push_back({first,
+                               first + n_corners,
                                bool((pressure_phases >> patch.phase) & 1u)});
         }
-    auto matrix = make_matrix(couplings);
-    hat_tangent = std::move(matrix.values);
-    hat_columns = std::move(matrix.columns);
+    hat_tangent = make_matrix(couplings);
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #include <selkie/assembly/tangent_scatter.h>
+#include <selkie/shape/simd.h>
 
-#include <Epetra_FECrsMatrix.h>
+#include <algorithm>
 
 namespace selkie
 {
@@ -8,25 +9,54 @@ namespace selkie
 
   template <int dim>
   void
-  TangentScatter<dim>::begin(TrilinosWrappers::SparseMatrix &target,
-                             const std::vector<int>         &target_columns,
-                             const double                    pressure_unit)
+  TangentScatter<dim>::begin(SystemMatrix &target, const double pressure_unit)
   {
-    matrix    = &target;
-    columns   = &target_columns;
-    unit      = pressure_unit;
-    *matrix   = 0.;
-    auto &crs = const_cast<Epetra_CrsMatrix &>(matrix->trilinos_matrix());
-    crs.ExtractCrsDataPointers(row_start, column, values);
-    if (positions.size() < static_cast<unsigned int>(crs.NumMyCols()))
-      positions.resize(crs.NumMyCols());
+    matrix = &target;
+    unit   = pressure_unit;
+    matrix->clear();
   }
 
   template <int dim>
   void
   TangentScatter<dim>::finish()
   {
-    matrix->compress(VectorOperation::add);
+    matrix->compress();
+  }
+
+  /// The patch's columns as runs. Nodes are listed by position, as unknowns are
+  /// numbered, so that a line of nodes of a lattice is one run.
+  template <int dim>
+  void
+  TangentScatter<dim>::set_columns(const std::vector<unsigned int> &unknowns,
+                                   const DensePatch<dim>           &dense)
+  {
+    const unsigned int n = dense.n_nodes;
+    columns.clear();
+    const auto append = [this](const types::global_dof_index begin,
+                               const unsigned int            length,
+                               const bool                    pressures,
+                               const unsigned int            position) {
+      if (!columns.empty() && columns.back().end == begin &&
+          columns.back().pressures == pressures &&
+          columns.back().position + columns.back().length() == position)
+        columns.back().end += length;
+      else
+        columns.push_back({begin, begin + length, pressures, position});
+    };
+    for (unsigned int a = 0; a < n; ++a)
+      append(matrix->column(unknowns[a]), dim, false, dense.place(a, 0));
+    if (dense.n_components > dim)
+      for (unsigned int a = 0; a < n; ++a)
+        append(matrix->column(unknowns[dim * n + a]),
+               1,
+               true,
+               dense.place(a, dim));
+    std::sort(columns.begin(),
+              columns.end(),
+              [](const ColumnRun &a, const ColumnRun &b) {
+                return a.begin < b.begin;
+              });
+    positions.resize(columns.size());
   }
 
   template <int dim>
@@ -34,24 +64,18 @@ namespace selkie
   TangentScatter<dim>::set_factors(const std::vector<unsigned int> &unknowns,
                                    const DensePatch<dim>           &dense)
   {
-    const unsigned int n = dense.n_nodes;
-    factors.resize(unknowns.size());
-    for (unsigned int i = 0; i < unknowns.size(); ++i)
-      factors[i] = system.held(unknowns[i]) ? 0. : i < dim * n ? 1. : unit;
-    patch_columns.resize(unknowns.size());
-    patch_positions.resize(unknowns.size());
-    for (unsigned int i = 0; i < unknowns.size(); ++i)
-      patch_columns[i] = (*columns)[unknowns[i]];
-  }
-
-  template <int dim>
-  void
-  TangentScatter<dim>::find_positions(const unsigned int row)
-  {
-    for (int k = row_start[row]; k < row_start[row + 1]; ++k)
-      positions[column[k]] = k - row_start[row];
-    for (unsigned int i = 0; i < patch_columns.size(); ++i)
-      patch_positions[i] = positions[patch_columns[i]];
+    free = true;
+    factors.resize(dense.row_length());
+    for (unsigned int c = 0; c < dense.n_components; ++c)
+      for (unsigned int a = 0; a < dense.n_nodes; ++a)
+        {
+          const double factor = system.held(unknowns[c * dense.n_nodes + a])
+                                  ? 0.
+                                : c < dim ? 1.
+                                          : unit;
+          factors[dense.place(a, c)] = factor;
+          free                       = free && factor != 0.;
+        }
   }
 
   template <int dim>
@@ -59,77 +83,82 @@ namespace selkie
   TangentScatter<dim>::add(const std::vector<unsigned int> &unknowns,
                            const DensePatch<dim>           &dense)
   {
+    set_columns(unknowns, dense);
     set_factors(unknowns, dense);
     for (unsigned int a = 0; a < dense.n_nodes; ++a)
-      add_node(a, unknowns, dense);
-  }
-
-  /// All rows of one node.
-  template <int dim>
-  void
-  TangentScatter<dim>::add_node(const unsigned int               a,
-                                const std::vector<unsigned int> &unknowns,
-                                const DensePatch<dim>           &dense)
-  {
-    const unsigned int n = dense.n_nodes, n_padded = dense.n_padded;
-    for (unsigned int c = 0; c < dense.n_components; ++c)
-      {
-        const unsigned int row    = unknowns[c * n + a];
-        const double       factor = factors[c * n + a];
-        const double      *block  = dense.row(a, c);
-        if (row >= system.n_owned())
-          {
-            add_to_other_rank(row, factor, unknowns, dense, block);
-            continue;
-          }
-        // The displacement rows of a node share their columns. (The columns of
-        // a node of another rank do not follow each other.)
-        if (c == 0 || c == dim)
-          find_positions(row);
-        double *row_values = values + row_start[row];
-        if (factor == 0.) // held: the diagonal alone
-          {
-            row_values[patch_positions[c * n + a]] +=
-              (c == dim ? unit * unit : 1.) * block[c * n_padded + a];
-            continue;
-          }
-        for (unsigned int k = 0; k < dense.n_components; ++k)
-          for (unsigned int b = 0; b < n; ++b)
-            row_values[patch_positions[k * n + b]] +=
-              factor * factors[k * n + b] * block[k * n_padded + b];
-      }
-  }
-
-  template <int dim>
-  void
-  TangentScatter<dim>::add_to_other_rank(
-    const unsigned int               row,
-    const double                     factor,
-    const std::vector<unsigned int> &unknowns,
-    const DensePatch<dim>           &dense,
-    const double                    *block)
-  {
-    const auto        &partition = *system.partitioner();
-    const unsigned int n         = dense.n_nodes;
-    global_columns.clear();
-    row_values.clear();
-    for (unsigned int k = 0; k < dense.n_components; ++k)
-      for (unsigned int b = 0; b < n; ++b)
+      for (unsigned int c = 0; c < dense.n_components; ++c)
         {
-          const unsigned int col      = unknowns[k * n + b];
-          const bool         diagonal = row == col;
-          if (factor * factors[k * n + b] == 0. && !diagonal)
-            continue;
-          const double own = k == dim ? unit * unit : 1.; // of the diagonal
-          global_columns.push_back(partition.local_to_global(col));
-          row_values.push_back((diagonal ? own : factor * factors[k * n + b]) *
-                               block[k * dense.n_padded + b]);
+          const unsigned int row = unknowns[c * dense.n_nodes + a];
+          if (c == 0 || c == dim) // the displacement's rows share their columns
+            {
+              unsigned int run = 0;
+              for_each_position(matrix->group(row).columns,
+                                columns,
+                                [&](const unsigned int position,
+                                    const ColumnRun &) {
+                                  positions[run++] = position;
+                                });
+            }
+          add_row(row, dense.place(a, c), dense.row(a, c));
         }
-    matrix->add(partition.local_to_global(row),
-                global_columns.size(),
-                global_columns.data(),
-                row_values.data(),
-                false);
+  }
+
+  namespace
+  {
+    /// to += factor from.
+    void
+    add_numbers(const double       factor,
+                const double      *from,
+                const unsigned int n,
+                double            *to)
+    {
+      using namespace simd;
+      unsigned int k   = 0;
+      const auto   add = [&](auto lanes) {
+        lanes = load<decltype(lanes)>(to + k) +
+                factor * load<decltype(lanes)>(from + k);
+        store(lanes, to + k);
+        k += n_lanes<decltype(lanes)>;
+      };
+      while (k + 8 <= n)
+        add(Eight());
+      if (k + 4 <= n)
+        add(Four());
+      if (k + 2 <= n)
+        add(Two());
+      if (k < n)
+        to[k] += factor * from[k];
+    }
+  } // namespace
+
+  /// @param place of the row among the patch's unknowns
+  template <int dim>
+  void
+  TangentScatter<dim>::add_row(const unsigned int row,
+                               const unsigned int place,
+                               const double      *block)
+  {
+    double      *values = matrix->row_values(row);
+    const double factor = factors[place];
+    if (free)
+      {
+        for (unsigned int i = 0; i < columns.size(); ++i)
+          add_numbers(columns[i].pressures ? factor * unit : factor,
+                      block + columns[i].position,
+                      columns[i].length(),
+                      values + positions[i]);
+        return;
+      }
+    for (unsigned int i = 0; i < columns.size(); ++i)
+      for (unsigned int k = 0; k < columns[i].length(); ++k)
+        {
+          const unsigned int other = columns[i].position + k;
+          if (other == place) // a held row has its diagonal alone
+            values[positions[i] + k] +=
+              (columns[i].pressures ? unit * unit : 1.) * block[other];
+          else
+            values[positions[i] + k] += factor * factors[other] * block[other];
+        }
   }
 
   template <int dim>
@@ -138,12 +167,7 @@ namespace selkie
   {
     for (unsigned int i = 0; i < diagonal.locally_owned_size(); ++i)
       if (diagonal.local_element(i) != 0.)
-        for (int k = row_start[i]; k < row_start[i + 1]; ++k)
-          if (column[k] == (*columns)[i])
-            {
-              values[k] += diagonal.local_element(i);
-              break;
-            }
+        matrix->add(i, i, diagonal.local_element(i));
   }
 
   template class TangentScatter<2>;

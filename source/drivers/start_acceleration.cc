@@ -35,11 +35,7 @@ namespace selkie
           rhs.local_element(i) =
             -time.newmark.alpha1 * residual.local_element(i);
       for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
-        {
-          const auto row = unknowns.partitioner()->local_to_global(i);
-          unknowns.matrix().add(row, row, 1.);
-        }
-      unknowns.matrix().compress(VectorOperation::add);
+        unknowns.matrix().add(i, i, 1.);
       const SystemTraits of_mass;
       solver.solve_first_by(SolverKind::minres_jacobi,
                             {unknowns, of_mass, rhs, tolerance},

@@ -15,16 +15,15 @@ namespace selkie
   class DirectSolver::Factors
   {
   public:
-    Factors(const std::shared_ptr<const TrilinosWrappers::SparseMatrix> &K,
-            const bool symmetric,
-            const int  room)
+    Factors(const std::shared_ptr<const SystemMatrix> &K,
+            const bool                                 symmetric,
+            const int                                  room)
       : matrix(K)
       , symmetric(symmetric)
       , room(room)
       , mumps(problem)
     {
-      problem.SetOperator(
-        const_cast<Epetra_CrsMatrix *>(&K->trilinos_matrix()));
+      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&K->epetra()));
       Teuchos::ParameterList list;
       list.set("OutputLevel", 0);
       list.set("MatrixProperty", symmetric ? "symmetric" : "general");
@@ -49,7 +48,7 @@ namespace selkie
       const auto view = [](const Epetra_Map &map, const Vector &vector) {
         return Epetra_Vector(View, map, const_cast<double *>(vector.begin()));
       };
-      const auto &K        = matrix->trilinos_matrix();
+      const auto &K        = matrix->epetra();
       auto        solution = view(K.OperatorDomainMap(), x);
       auto        rhs      = view(K.OperatorRangeMap(), b);
       problem.SetLHS(&solution);
@@ -60,7 +59,7 @@ namespace selkie
       return error();
     }
 
-    const std::shared_ptr<const TrilinosWrappers::SparseMatrix> matrix;
+    const std::shared_ptr<const SystemMatrix> matrix;
 
     const bool symmetric;
     const int  room;
@@ -81,10 +80,9 @@ namespace selkie
   DirectSolver::~DirectSolver() = default;
 
   void
-  DirectSolver::factorise(
-    const std::shared_ptr<const TrilinosWrappers::SparseMatrix> &K,
-    const bool                                                   symmetric,
-    const int                                                    room)
+  DirectSolver::factorise(const std::shared_ptr<const SystemMatrix> &K,
+                          const bool                                 symmetric,
+                          const int                                  room)
   {
     if (!factors || factors->matrix != K || factors->symmetric != symmetric)
       factors = std::make_unique<Factors>(K, symmetric, room);

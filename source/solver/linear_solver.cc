@@ -95,21 +95,20 @@ namespace selkie
                         const System<dim>  &system,
                         const SystemTraits &traits)
     {
-      const auto &matrix = system.matrix();
       switch (kind)
         {
           case SolverKind::cg_jacobi:
-            return make_node_block_jacobi(system, matrix);
+            return make_node_block_jacobi(system);
           case SolverKind::cg_ml:
-            return make_ml(system, matrix);
+            return make_ml(system);
           case SolverKind::cg_hats:
             return make_hats(system);
           case SolverKind::gmres_block:
             if (!traits.mixed)
-              return traits.lme ? make_hats(system) : make_ml(system, matrix);
+              return traits.lme ? make_hats(system) : make_ml(system);
             return make_block_triangular(system, traits.has_solid);
           default:
-            return make_jacobi(matrix);
+            return make_jacobi(system);
         }
     }
   } // namespace

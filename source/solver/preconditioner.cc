@@ -1,6 +1,6 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/solver/float_block.h>
 #include <selkie/solver/multigrid.h>
-#include <selkie/solver/node_blocks.h>
 #include <selkie/solver/preconditioner.h>
 #include <selkie/solver/two_level.h>
 
@@ -84,13 +84,12 @@ namespace selkie
     class NodeBlockJacobi : public Preconditioner
     {
     public:
-      NodeBlockJacobi(const System<dim>                    &system,
-                      const TrilinosWrappers::SparseMatrix &matrix)
+      explicit NodeBlockJacobi(const System<dim> &system)
         : diagonal(system.n_owned_displacements() / dim)
       {
         int    *start, *column;
         double *values;
-        matrix.trilinos_matrix().ExtractCrsDataPointers(start, column, values);
+        system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
         for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
           for (int k = start[i]; k < start[i + 1]; ++k)
             diagonal.add(i, column[k], values[k]);
@@ -128,7 +127,7 @@ namespace selkie
 
     template <int dim>
     std::shared_ptr<NodeDiagonal<dim, float>>
-    diagonal_of(const NodeBlocks<dim, dim> &A, const unsigned int n_nodes)
+    diagonal_of(const FloatBlock &A, const unsigned int n_nodes)
     {
       auto diagonal = std::make_shared<NodeDiagonal<dim, float>>(n_nodes);
       A.for_each([&](const unsigned int row,
@@ -146,13 +145,11 @@ namespace selkie
     public:
       /// @param hats the same block of the hat functions' matrix; it has to
       ///   outlive this
-      DisplacementBlock(const System<dim>      &system,
-                        const ColumnLayout     &layout,
-                        const Epetra_CrsMatrix &hats)
-        : A(layout, system.matrix(), Part::displacements, Part::displacements)
+      DisplacementBlock(const System<dim> &system, const Epetra_CrsMatrix &hats)
+        : A(system, Part::displacements, Part::displacements)
         , inverse(A,
-                  diagonal_of(A, system.n_owned_displacements() / dim),
-                  layout.vector(),
+                  diagonal_of<dim>(A, system.n_owned_displacements() / dim),
+                  float_vector(system.matrix()),
                   0,
                   system.n_owned_displacements(),
                   std::make_unique<const Multigrid>(hats,
@@ -160,8 +157,8 @@ namespace selkie
                                                     rigid_body_modes(system)))
       {}
 
-      const NodeBlocks<dim, dim>                                     A;
-      const TwoLevel<NodeBlocks<dim, dim>, NodeDiagonal<dim, float>> inverse;
+      const FloatBlock                                     A;
+      const TwoLevel<FloatBlock, NodeDiagonal<dim, float>> inverse;
     };
 
     /// See make_hats().
@@ -171,10 +168,9 @@ namespace selkie
     public:
       explicit Hats(const System<dim> &system)
         : hats(system.hats())
-        , layout(system)
-        , block(system, layout, hats->trilinos_matrix())
-        , in(layout.vector())
-        , out(layout.vector())
+        , block(system, hats->epetra())
+        , in(float_vector(system.matrix()))
+        , out(in)
       {}
 
       void
@@ -186,10 +182,9 @@ namespace selkie
       }
 
     private:
-      const std::shared_ptr<const TrilinosWrappers::SparseMatrix> hats;
-      const ColumnLayout                                          layout;
-      const DisplacementBlock<dim>                                block;
-      mutable FloatVector                                         in, out;
+      const std::shared_ptr<const SystemMatrix> hats;
+      const DisplacementBlock<dim>              block;
+      mutable FloatVector                       in, out;
     };
 
     /// The rows [row_begin, row_end) of a rank, restricted to the columns that
@@ -286,20 +281,20 @@ namespace selkie
 
     /// S = C + B^T D^{-1} B, D = diag(A), never formed. Pressures are those
     /// from `first` on.
-    template <int dim>
     class Schur : public Subscriptor
     {
     public:
-      Schur(const System<dim> &system, const ColumnLayout &layout)
-        : first(layout.n_u)
-        , B(layout, system.matrix(), Part::displacements, Part::pressures)
-        , BT(layout, system.matrix(), Part::pressures, Part::displacements)
-        , minus_C(layout, system.matrix(), Part::pressures, Part::pressures)
-        , D_inverse(layout.vector())
-        , scratch(layout.vector())
+      template <int dim>
+      explicit Schur(const System<dim> &system)
+        : first(system.n_owned_displacements())
+        , B(system, Part::displacements, Part::pressures)
+        , BT(system, Part::pressures, Part::displacements)
+        , minus_C(system, Part::pressures, Part::pressures)
+        , D_inverse(float_vector(system.matrix()))
+        , scratch(D_inverse)
       {
-        Epetra_Vector diagonal(system.matrix().trilinos_matrix().RowMap());
-        system.matrix().trilinos_matrix().ExtractDiagonalCopy(diagonal);
+        Epetra_Vector diagonal(system.matrix().epetra().RowMap());
+        system.matrix().epetra().ExtractDiagonalCopy(diagonal);
         for (unsigned int i = 0; i < first; ++i)
           D_inverse.local_element(i) = 1. / diagonal[i];
         D_inverse.update_ghost_values();
@@ -344,10 +339,8 @@ namespace selkie
         return result;
       }
 
-      const unsigned int       first;
-      const NodeBlocks<dim, 1> B;
-      const NodeBlocks<1, dim> BT;
-      const NodeBlocks<1, 1>   minus_C;
+      const unsigned int first;
+      const FloatBlock   B, BT, minus_C;
 
     private:
       FloatVector         D_inverse;
@@ -382,30 +375,28 @@ namespace selkie
       BlockTriangular(const System<dim>      &system,
                       const Epetra_CrsMatrix &hat_matrix,
                       const bool              with_solid)
-        : layout(system)
-        , hats(system, hat_matrix)
+        : hats(system, hat_matrix)
         , S_hats(form_schur_complement(hats))
-        , S(system, layout)
+        , S(system)
         , S_inverse(S,
                     S.diagonal(),
-                    layout.vector(),
+                    float_vector(system.matrix()),
                     S.first,
                     system.n_owned(),
                     std::make_unique<const Multigrid>(*S_hats, 1))
-        , in(layout.vector())
-        , u(layout.vector())
-        , p(layout.vector())
+        , in(float_vector(system.matrix()))
+        , u(in)
+        , p(in)
       {
         if (with_solid)
-          A = std::make_unique<DisplacementBlock<dim>>(system, layout, *hats.A);
+          A = std::make_unique<DisplacementBlock<dim>>(system, *hats.A);
         else
           {
-            const NodeBlocks<dim, dim> blocks(layout,
-                                              system.matrix(),
-                                              Part::displacements,
-                                              Part::displacements);
+            const FloatBlock block(system,
+                                   Part::displacements,
+                                   Part::displacements);
             A_diagonal =
-              diagonal_of(blocks, system.n_owned_displacements() / dim);
+              diagonal_of<dim>(block, system.n_owned_displacements() / dim);
           }
       }
 
@@ -430,37 +421,35 @@ namespace selkie
       }
 
     private:
-      const ColumnLayout                           layout;
-      const Blocks                                 hats;
-      const std::unique_ptr<Epetra_CrsMatrix>      S_hats;
-      const Schur<dim>                             S;
-      const TwoLevel<Schur<dim>, PressureDiagonal> S_inverse;
-      std::unique_ptr<DisplacementBlock<dim>>      A;
-      std::shared_ptr<NodeDiagonal<dim, float>>    A_diagonal;
-      mutable FloatVector                          in, u, p;
+      const Blocks                              hats;
+      const std::unique_ptr<Epetra_CrsMatrix>   S_hats;
+      const Schur                               S;
+      const TwoLevel<Schur, PressureDiagonal>   S_inverse;
+      std::unique_ptr<DisplacementBlock<dim>>   A;
+      std::shared_ptr<NodeDiagonal<dim, float>> A_diagonal;
+      mutable FloatVector                       in, u, p;
     };
   } // namespace
 
+  template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_jacobi(const TrilinosWrappers::SparseMatrix &matrix)
+  make_jacobi(const System<dim> &system)
   {
-    return std::make_unique<Jacobi>(matrix.trilinos_matrix());
+    return std::make_unique<Jacobi>(system.matrix().epetra());
   }
 
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_node_block_jacobi(const System<dim>                    &system,
-                         const TrilinosWrappers::SparseMatrix &matrix)
+  make_node_block_jacobi(const System<dim> &system)
   {
-    return std::make_unique<NodeBlockJacobi<dim>>(system, matrix);
+    return std::make_unique<NodeBlockJacobi<dim>>(system);
   }
 
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_ml(const System<dim>                    &system,
-          const TrilinosWrappers::SparseMatrix &matrix)
+  make_ml(const System<dim> &system)
   {
-    return std::make_unique<Ml<dim>>(system, matrix.trilinos_matrix());
+    return std::make_unique<Ml<dim>>(system, system.matrix().epetra());
   }
 
   template <int dim>
@@ -476,18 +465,19 @@ namespace selkie
   {
     const auto &hats = system.hats() ? *system.hats() : system.matrix();
     return std::make_unique<BlockTriangular<dim>>(system,
-                                                  hats.trilinos_matrix(),
+                                                  hats.epetra(),
                                                   with_solid);
   }
 
-#define INSTANTIATE(dim)                                                 \
-  template std::unique_ptr<const Preconditioner> make_node_block_jacobi( \
-    const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
-  template std::unique_ptr<const Preconditioner> make_ml(                \
-    const System<dim> &, const TrilinosWrappers::SparseMatrix &);        \
-  template std::unique_ptr<const Preconditioner> make_hats(              \
-    const System<dim> &);                                                \
-  template std::unique_ptr<const Preconditioner> make_block_triangular(  \
+#define INSTANTIATE(dim)                                                       \
+  template std::unique_ptr<const Preconditioner> make_jacobi(                  \
+    const System<dim> &);                                                      \
+  template std::unique_ptr<const Preconditioner> make_node_block_jacobi(       \
+    const System<dim> &);                                                      \
+  template std::unique_ptr<const Preconditioner> make_ml(const System<dim> &); \
+  template std::unique_ptr<const Preconditioner> make_hats(                    \
+    const System<dim> &);                                                      \
+  template std::unique_ptr<const Preconditioner> make_block_triangular(        \
     const System<dim> &, const bool)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -36,7 +36,7 @@ namespace
       system->reinit(occupancy, table);
       for (auto *vector : {&rhs, &x, &residual})
         system->initialize(*vector);
-      system->matrix() = 0.;
+      system->matrix().clear();
       for (unsigned int i = 0; i < system->n_owned(); ++i)
         {
           rhs.local_element(i) = std::sin(1. + global(i));
@@ -54,13 +54,13 @@ namespace
     void
     add(const unsigned int i, const unsigned int j, const double value)
     {
-      system->matrix().add(global(i), global(j), value);
+      system->matrix().add(i, j, value);
     }
 
     LinearSolveReport
     solve()
     {
-      system->matrix().compress(dealii::VectorOperation::add);
+      system->matrix().compress();
       LinearSolver<2>    solver(scene.linear_solver,
                              [this](const std::string &text) { log = text; });
       const SystemTraits traits;
@@ -92,8 +92,7 @@ namespace
   void
   make_skew(Problem &problem)
   {
-    auto &matrix = problem.system->matrix();
-    matrix       = 0.;
+    problem.system->matrix().clear();
     for (unsigned int i = 0; i < problem.system->n_owned(); i += 2)
       {
         problem.add(i, i + 1, 1.);
@@ -172,7 +171,7 @@ TEST(DirectSolverMPI, GrowsItsRoom)
 {
   // 99 % less than MUMPS's estimate does not do.
   Problem problem;
-  problem.system->matrix().compress(dealii::VectorOperation::add);
+  problem.system->matrix().compress();
   DirectSolver solver;
   solver.factorise(problem.system->shared_matrix(), false, -99);
   solver.vmult(problem.x, problem.rhs);

@@ -10,7 +10,8 @@ namespace selkie
    * The dense algebra of one patch: nodal values in, nodal forces and one
    * dense block out. Arrays are component-major and padded to SIMD lanes:
    * entry (component c, node a) stands at c * n_padded + a, with the pressure
-   * as component dim where a term writes its equation.
+   * as component dim where a term writes its equation. Rows of the block are in
+   * the order of the matrix instead: node by node, then the pressures.
    */
   template <int dim>
   class DensePatch
@@ -45,12 +46,24 @@ namespace selkie
     static std::vector<Step>
     block_steps(const TermUse &use);
 
-    /// Row (node a, component c) of the block: n_components * n_padded values.
+    /// Row (node a, component c) of the block: row_length() values.
     const double *
     row(const unsigned int a, const unsigned int c) const
     {
-      return block.data() +
-             std::size_t(a * n_components + c) * n_components * n_padded;
+      return block.data() + std::size_t(a * n_components + c) * row_length();
+    }
+
+    unsigned int
+    row_length() const
+    {
+      return n_components * n_padded;
+    }
+
+    /// Where the unknown (node a, component c) stands in a row of the block.
+    unsigned int
+    place(const unsigned int a, const unsigned int c) const
+    {
+      return c < dim ? dim * a + c : dim * n_padded + a;
     }
 
   private:

@@ -1,14 +1,13 @@
 #pragma once
 
 #include <selkie/assembly/node_conditions.h>
-#include <selkie/base/types.h>
+#include <selkie/assembly/system_matrix.h>
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/shape/occupancy.h>
 #include <selkie/shape/support_table.h>
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
-#include <deal.II/lac/trilinos_sparse_matrix.h>
 
 #include <memory>
 #include <vector>
@@ -21,8 +20,10 @@ namespace selkie
    * cells have none.
    *
    * Each rank owns a contiguous range: first the displacements of its nodes
-   * (node-major), then the pressures. Local indices are those of partitioner():
-   * owned unknowns first, then ghosts.
+   * (node-major), then the pressures; nodes are taken line by line, by
+   * position, so that those of a line follow each other in rows of the matrix.
+   * Local indices are those of partitioner(): owned unknowns first, then
+   * ghosts.
    */
   template <int dim>
   class System
@@ -113,13 +114,13 @@ namespace selkie
     }
 
     /// The matrix of the present sparsity; its values are the assembler's.
-    dealii::TrilinosWrappers::SparseMatrix &
+    SystemMatrix &
     matrix()
     {
       return *tangent;
     }
 
-    const dealii::TrilinosWrappers::SparseMatrix &
+    const SystemMatrix &
     matrix() const
     {
       return *tangent;
@@ -127,17 +128,10 @@ namespace selkie
 
     /// The same, for those who keep factors of it: each sparsity has a matrix
     /// of its own, which lives as long as somebody refers to it.
-    std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix>
+    std::shared_ptr<const SystemMatrix>
     shared_matrix() const
     {
       return tangent;
-    }
-
-    /// Matrix columns (Epetra's local indices) of the unknowns' local indices.
-    const std::vector<int> &
-    matrix_columns() const
-    {
-      return columns;
     }
 
     /// Local indices of the pressures at the corners of a cell.
@@ -156,17 +150,10 @@ namespace selkie
     want_hats(const SupportTable<dim> &table);
 
     /// The hat functions' matrix of the present sparsity, or nullptr.
-    const std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix> &
+    const std::shared_ptr<SystemMatrix> &
     hats() const
     {
       return hat_tangent;
-    }
-
-    /// As matrix_columns(), for hats().
-    const std::vector<int> &
-    matrix_columns_of_hats() const
-    {
-      return hat_columns;
     }
 
     unsigned int
@@ -182,18 +169,14 @@ namespace selkie
     void
     number_unknowns(const Occupancy<dim>    &occupancy,
                     const SupportTable<dim> &table);
-    /// Which nodes couple, as lists of nodes: all of a list with each other.
+    /// Nodes that couple with each other: their displacements, and their
+    /// pressures in the lists of matter that has one.
     struct Coupling
     {
-      std::vector<unsigned int> nodes;
-      bool                      pressure = false; ///< in the lists of matter
+      const unsigned int *begin, *end;
+      bool                pressure;
     };
-    struct Matrix
-    {
-      std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix> values;
-      std::vector<int>                                        columns;
-    };
-    Matrix
+    std::shared_ptr<SystemMatrix>
     make_matrix(const std::vector<Coupling> &couplings) const;
     void
     build_sparsity(const SupportTable<dim> &table);
@@ -204,17 +187,16 @@ namespace selkie
 
     const unsigned int pressure_phases; ///< those with pressures, bits
 
+    std::vector<unsigned int>       by_position; ///< owned nodes
     std::vector<unsigned int>       nodes, p_nodes, u_index, p_index;
     std::vector<bool>               is_held;
     unsigned int                    n_u = 0, n_p = 0;
     dealii::types::global_dof_index n_p_global = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
-    std::shared_ptr<dealii::TrilinosWrappers::SparseMatrix>    tangent,
-      hat_tangent;
-    std::vector<int> columns, hat_columns;
-    std::size_t      last_hash       = 0;
-    unsigned int     sparsity_builds = 0;
-    bool             hats_wanted     = false;
+    std::shared_ptr<SystemMatrix> tangent, hat_tangent;
+    std::size_t                   last_hash       = 0;
+    unsigned int                  sparsity_builds = 0;
+    bool                          hats_wanted     = false;
   };
 } // namespace selkie

@@ -8,9 +8,9 @@
 namespace selkie
 {
   /**
-   * Adds the dense blocks of patches to a sparse matrix, straight into its
-   * arrays. Rows and columns of prescribed unknowns keep their diagonal only;
-   * pressure rows and columns are multiplied by a unit.
+   * Adds the dense blocks of patches to a matrix, straight into its arrays.
+   * Rows and columns of prescribed unknowns keep their diagonal only; pressure
+   * rows and columns are multiplied by a unit.
    */
   template <int dim>
   class TangentScatter
@@ -21,13 +21,10 @@ namespace selkie
     {}
 
     /// Sets a matrix to zero and points at it.
-    /// @param columns Epetra's local column of each unknown (local index)
     void
-    begin(dealii::TrilinosWrappers::SparseMatrix &matrix,
-          const std::vector<int>                 &columns,
-          const double                            pressure_unit);
+    begin(SystemMatrix &matrix, const double pressure_unit);
 
-    /// @param unknowns of the patch, component-major, as the block is
+    /// @param unknowns of the patch, component-major
     void
     add(const std::vector<unsigned int> &unknowns,
         const DensePatch<dim>           &dense);
@@ -42,37 +39,28 @@ namespace selkie
 
   private:
     void
+    set_columns(const std::vector<unsigned int> &unknowns,
+                const DensePatch<dim>           &dense);
+    void
     set_factors(const std::vector<unsigned int> &unknowns,
                 const DensePatch<dim>           &dense);
     void
-    find_positions(const unsigned int row);
-    void
-    add_node(const unsigned int               a,
-             const std::vector<unsigned int> &unknowns,
-             const DensePatch<dim>           &dense);
-    void
-    add_to_other_rank(const unsigned int               row,
-                      const double                     factor,
-                      const std::vector<unsigned int> &unknowns,
-                      const DensePatch<dim>           &dense,
-                      const double                    *block);
+    add_row(const unsigned int row,
+            const unsigned int place,
+            const double      *block);
 
-    const System<dim>                      &system;
-    dealii::TrilinosWrappers::SparseMatrix *matrix    = nullptr;
-    const std::vector<int>                 *columns   = nullptr;
-    double                                  unit      = 1;
-    int                                    *row_start = nullptr;
-    int                                    *column    = nullptr;
-    double                                 *values    = nullptr;
+    const System<dim> &system;
+    SystemMatrix      *matrix = nullptr;
+    double             unit   = 1;
 
-    // Of one patch: what a row or column is multiplied by (zero if held), and
-    // the matrix columns.
-    std::vector<double> factors;
-    std::vector<int>    patch_columns;
-    // Of one row: where its columns stand, and the patch's among them.
-    std::vector<int> positions, patch_positions;
+    // Of one patch: its columns, positions being those in a row of the block;
+    // what a row or column is multiplied by (zero if held), in the block's
+    // order; whether none is held.
+    std::vector<ColumnRun> columns;
+    std::vector<double>    factors;
+    bool                   free = true;
 
-    std::vector<dealii::types::global_dof_index> global_columns;
-    std::vector<double>                          row_values;
+    // Of one group of rows: where its entries stand in those of the matrix.
+    std::vector<unsigned int> positions;
   };
 } // namespace selkie

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 /**
  * @file
@@ -21,6 +22,7 @@ namespace selkie
     typedef double Two __attribute__((vector_size(16)));
     typedef double Four __attribute__((vector_size(32)));
     typedef double Eight __attribute__((vector_size(64)));
+    typedef float  EightFloats __attribute__((vector_size(32)));
 
     /// As many lanes as the machine has.
 #if defined(__AVX512F__)
@@ -35,6 +37,10 @@ namespace selkie
     template <class V>
     constexpr unsigned int n_lanes = sizeof(V) / sizeof(double);
 
+    template <typename Number>
+    using EightOf =
+      std::conditional_t<std::is_same_v<Number, float>, EightFloats, Eight>;
+
     /// x in all lanes.
     template <class V>
     inline V
@@ -43,10 +49,10 @@ namespace selkie
       return x - V{};
     }
 
-    /// n_lanes doubles from any address.
-    template <class V>
+    /// As many numbers as V has, from any address.
+    template <class V, typename Number>
     inline V
-    load(const double *from)
+    load(const Number *from)
     {
       V v;
       std::memcpy(&v, from, sizeof(V));
@@ -93,6 +99,36 @@ namespace selkie
     {
       return sum(__builtin_shufflevector(v, v, 0, 1, 2, 3) +
                  __builtin_shufflevector(v, v, 4, 5, 6, 7));
+    }
+
+    inline float
+    sum(const EightFloats &v)
+    {
+      const auto half = __builtin_shufflevector(v, v, 0, 1, 2, 3) +
+                        __builtin_shufflevector(v, v, 4, 5, 6, 7);
+      return (half[0] + half[2]) + (half[1] + half[3]);
+    }
+
+    /// The lanes of two vectors by turns, in two vectors.
+    inline void
+    interleave(const Two &a, const Two &b, Two &first, Two &second)
+    {
+      first  = __builtin_shufflevector(a, b, 0, 2);
+      second = __builtin_shufflevector(a, b, 1, 3);
+    }
+
+    inline void
+    interleave(const Four &a, const Four &b, Four &first, Four &second)
+    {
+      first  = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+      second = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    }
+
+    inline void
+    interleave(const Eight &a, const Eight &b, Eight &first, Eight &second)
+    {
+      first  = __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11);
+      second = __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15);
     }
 
     /// The largest lane (not meant to be fast).

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <selkie/base/types.h>
-
-#include <deal.II/lac/trilinos_sparse_matrix.h>
+#include <selkie/assembly/system_matrix.h>
 
 #include <memory>
 
@@ -29,10 +27,9 @@ namespace selkie
     /// @param room in percent beyond MUMPS's own estimate
     /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.
     void
-    factorise(
-      const std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix> &K,
-      const bool symmetric,
-      const int  room = 50);
+    factorise(const std::shared_ptr<const SystemMatrix> &K,
+              const bool                                 symmetric,
+              const int                                  room = 50);
 
     /// x = K^{-1} b as well as the factors know it. Collective.
     /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.

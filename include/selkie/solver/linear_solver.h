@@ -119,7 +119,7 @@ namespace selkie
     /// Of the present or an earlier matrix of the step.
     struct Multigrid
     {
-      std::shared_ptr<const dealii::TrilinosWrappers::SparseMatrix> matrix;
+      std::shared_ptr<const SystemMatrix>   matrix;
       std::unique_ptr<const Preconditioner> preconditioner; ///< refers to it
 
       double first = 0, last = 0; ///< iterations per digit

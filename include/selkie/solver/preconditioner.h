@@ -3,9 +3,6 @@
 #include <selkie/assembly/system.h>
 #include <selkie/base/types.h>
 
-#include <deal.II/lac/trilinos_precondition.h>
-#include <deal.II/lac/trilinos_sparse_matrix.h>
-
 #include <memory>
 #include <vector>
 
@@ -23,20 +20,19 @@ namespace selkie
   };
 
   /// 1/|K_ii|.
+  template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_jacobi(const dealii::TrilinosWrappers::SparseMatrix &matrix);
+  make_jacobi(const System<dim> &system);
 
   /// The inverse of the dim x dim diagonal block of each node.
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_node_block_jacobi(const System<dim>                            &system,
-                         const dealii::TrilinosWrappers::SparseMatrix &matrix);
+  make_node_block_jacobi(const System<dim> &system);
 
   /// ML on the matrix itself, with the rigid-body modes of the nodes.
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_ml(const System<dim>                            &system,
-          const dealii::TrilinosWrappers::SparseMatrix &matrix);
+  make_ml(const System<dim> &system);
 
   /// For the displacements of LME: see TwoLevel. Needs System::hats().
   template <int dim>

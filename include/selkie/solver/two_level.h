@@ -1,8 +1,8 @@
 #pragma once
 
 #include <selkie/base/exceptions.h>
+#include <selkie/solver/float_block.h>
 #include <selkie/solver/multigrid.h>
-#include <selkie/solver/node_blocks.h>
 
 #include <deal.II/lac/precondition.h>
 #include <deal.II/lac/solver_control.h>
