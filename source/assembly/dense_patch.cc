@@ -211,52 +211,88 @@ namespace selkie
         }
     }
 
-    /// Adds one point's part of the block row to sum, for full lanes of nodes
-    /// b.
-    template <int dim, int n_components, bool mass>
-    void
-    add_row(const RowFactors<dim> &row,
-            const Lanes           &N_b,
-            const Lanes (&G_b)[dim],
-            Lanes (&sum)[n_components][n_components])
+    /// The part of a block row for some nodes b: what row component i takes
+    /// from column component k. Loops over components must be unrolled for it
+    /// to stay in registers.
+    template <int n_components>
+    struct RowPart
     {
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int k = 0; k < dim; ++k)
-          {
-            if (mass && i == k)
-              sum[i][k] += row.mass * N_b;
-            for (unsigned int l = 0; l < dim; ++l)
-              sum[i][k] += row.G[i][k][l] * G_b[l];
-          }
-      if constexpr (n_components > dim)
-        {
-          for (unsigned int i = 0; i < dim; ++i)
-            {
-              sum[i][dim] += row.up[i] * N_b;
-              for (unsigned int l = 0; l < dim; ++l)
-                sum[dim][i] += row.pu[i][l] * G_b[l];
-            }
-          sum[dim][dim] += row.pp * N_b;
-        }
-    }
+      Lanes sum[n_components][n_components];
 
-    /// The first dim vectors, lane by lane.
-    template <int dim, int n>
-    void
-    store_by_nodes(const Lanes (&values)[n], double *to)
-    {
-      if constexpr (dim == 2)
-        {
-          Lanes first, second;
-          simd::interleave(values[0], values[1], first, second);
-          simd::store(first, to);
-          simd::store(second, to + lanes);
-        }
-      else
-        for (unsigned int lane = 0; lane < lanes; ++lane)
-          for (unsigned int d = 0; d < dim; ++d)
-            to[lane * dim + d] = values[d][lane];
-    }
+      RowPart()
+      {
+#pragma GCC unroll 4
+        for (int i = 0; i < n_components; ++i)
+#pragma GCC unroll 4
+          for (int k = 0; k < n_components; ++k)
+            sum[i][k] = Lanes{};
+      }
+
+      /// Adds what one point gives.
+      /// @param N values, n_padded from each other those of N_b and of G_b
+      template <int dim, bool mass>
+      void
+      add(const RowFactors<dim> &row,
+          const double          *N,
+          const unsigned int     n_padded)
+      {
+        const Lanes N_b = load(N);
+        Lanes       G_b[dim];
+#pragma GCC unroll 4
+        for (int l = 0; l < dim; ++l)
+          G_b[l] = load(N + (l + 1) * n_padded);
+#pragma GCC unroll 4
+        for (int i = 0; i < dim; ++i)
+#pragma GCC unroll 4
+          for (int k = 0; k < dim; ++k)
+            {
+              if (mass && i == k)
+                sum[i][k] += row.mass * N_b;
+#pragma GCC unroll 4
+              for (int l = 0; l < dim; ++l)
+                sum[i][k] += row.G[i][k][l] * G_b[l];
+            }
+        if constexpr (n_components > dim)
+          {
+#pragma GCC unroll 4
+            for (int i = 0; i < dim; ++i)
+              {
+                sum[i][dim] += row.up[i] * N_b;
+#pragma GCC unroll 4
+                for (int l = 0; l < dim; ++l)
+                  sum[dim][i] += row.pu[i][l] * G_b[l];
+              }
+            sum[dim][dim] += row.pp * N_b;
+          }
+      }
+
+      /// @param row the first of the node's rows in the block
+      template <int dim>
+      void
+      store(double            *row,
+            const unsigned int b,
+            const unsigned int n_padded) const
+      {
+#pragma GCC unroll 4
+        for (int i = 0; i < n_components; ++i, row += n_components * n_padded)
+          {
+            double *to = row + dim * b;
+            if constexpr (dim == 2)
+              {
+                Lanes first, second;
+                simd::interleave(sum[i][0], sum[i][1], first, second);
+                simd::store(first, to);
+                simd::store(second, to + lanes);
+              }
+            else
+              for (unsigned int lane = 0; lane < lanes; ++lane)
+                for (int d = 0; d < dim; ++d)
+                  to[lane * dim + d] = sum[i][d][lane];
+            if constexpr (n_components > dim)
+              simd::store(sum[i][dim], row + dim * n_padded + b);
+          }
+      }
+    };
 
     /// All rows of the block: for each node a, the products with the other
     /// nodes are summed over the points in registers and stored once.
@@ -269,11 +305,13 @@ namespace selkie
       const auto                               &patch = *state.patch;
       thread_local std::vector<RowFactors<dim>> rows;
       rows.resize(patch.n_points);
+      const double      *N_0 = state.table->N(patch, 0); // of the first point
+      const unsigned int stride = (dim + 1) * n_padded;  // to the next
       for (unsigned int a = 0; a < patch.n_nodes; ++a)
         {
           for (unsigned int q = 0; q < patch.n_points; ++q)
             {
-              const double *N = state.table->N(patch, q);
+              const double *N = N_0 + q * stride;
               row_factors<dim, (n_components > dim)>(
                 state.forms[q], N + n_padded + a, n_padded, N[a], rows[q]);
             }
@@ -281,28 +319,16 @@ namespace selkie
             block + std::size_t(a) * n_components * n_components * n_padded;
           for (unsigned int b = 0; b < n_padded; b += lanes)
             {
-              Lanes sum[n_components][n_components] = {};
-              for (unsigned int q = 0; q < patch.n_points; ++q)
-                {
-                  const double *N   = state.table->N(patch, q);
-                  const Lanes   N_b = load(N + b);
-                  Lanes         G_b[dim];
-                  for (unsigned int l = 0; l < dim; ++l)
-                    G_b[l] = load(N + (l + 1) * n_padded + b);
-                  add_row<dim, n_components, mass>(rows[q], N_b, G_b, sum);
-                }
-              for (unsigned int i = 0; i < n_components; ++i)
-                {
-                  double *row_i = row + i * n_components * n_padded;
-                  store_by_nodes<dim>(sum[i], row_i + dim * b);
-                  if constexpr (n_components > dim)
-                    simd::store(sum[i][dim], row_i + dim * n_padded + b);
-                }
+              RowPart<n_components> part;
+              const double         *N = N_0 + b;
+              for (unsigned int q = 0; q < patch.n_points; ++q, N += stride)
+                part.template add<dim, mass>(rows[q], N, n_padded);
+              part.template store<dim>(row, b, n_padded);
             }
           if constexpr (n_components > dim)
             for (unsigned int q = 0; q < patch.n_points; ++q)
               row[(dim * n_components + dim) * n_padded + a] +=
-                state.forms[q].lumped * state.table->N(patch, q)[a];
+                state.forms[q].lumped * N_0[q * stride + a];
         }
     }
   } // namespace

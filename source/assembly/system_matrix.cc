@@ -20,11 +20,9 @@ namespace selkie
 
   namespace
   {
-    bool
-    begins_before(const ColumnRun &a, const ColumnRun &b)
-    {
+    constexpr auto begins_before = [](const ColumnRun &a, const ColumnRun &b) {
       return a.begin < b.begin;
-    }
+    };
   } // namespace
 
 
@@ -373,16 +371,12 @@ namespace selkie
              const double       *x,
              double             *y)
     {
-      RowProducts<n_rows, double>        products;
-      std::array<const double *, n_rows> rows, values;
-      for (unsigned int r = 0; r < n_rows; ++r)
-        rows[r] = K.row_values(group.first_row + r);
+      RowProducts<n_rows, double> products;
+      const double               *rows   = K.row_values(group.first_row);
+      const std::size_t           stride = group.row_length();
       for (const ColumnRun &run : group.columns)
-        {
-          for (unsigned int r = 0; r < n_rows; ++r)
-            values[r] = rows[r] + run.position;
-          products.add(values, x + run.begin, run.length());
-        }
+        products.add(rows + run.position, stride, x + run.begin, run.length());
+#pragma GCC unroll 4
       for (unsigned int r = 0; r < n_rows; ++r)
         y[group.first_row + r] = products[r];
     }

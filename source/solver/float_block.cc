@@ -86,14 +86,10 @@ namespace selkie
                  const float  factor,
                  float       *y)
     {
-      RowProducts<n_rows, float>        products;
-      std::array<const float *, n_rows> values;
-      for (; run != end; ++run)
-        {
-          for (unsigned int r = 0; r < n_rows; ++r, value += run->length)
-            values[r] = value;
-          products.add(values, x + run->column, run->length);
-        }
+      RowProducts<n_rows, float> products;
+      for (; run != end; value += n_rows * run->length, ++run)
+        products.add(value, run->length, x + run->column, run->length);
+#pragma GCC unroll 4
       for (unsigned int r = 0; r < n_rows; ++r)
         y[r] += factor * products[r];
       return value;

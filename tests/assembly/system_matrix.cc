@@ -167,29 +167,27 @@ TEST(SystemMatrix, RunsAreJoinedWithinTheirKind)
 
 TEST(SystemMatrix, ProductsOfRunsOfAnyLength)
 {
-  std::vector<double> a(40), b(40), x(40);
+  std::vector<double> rows(80), x(40);
+  for (unsigned int k = 0; k < 80; ++k)
+    rows[k] = std::sin(k + 1.);
   for (unsigned int k = 0; k < 40; ++k)
-    {
-      a[k] = std::sin(k + 1.);
-      b[k] = std::cos(3. * k);
-      x[k] = std::sin(7. * k + 2.);
-    }
+    x[k] = std::sin(7. * k + 2.);
   for (unsigned int length = 0; length <= 40; ++length)
     {
       RowProducts<2, double> products;
-      products.add({{a.data(), b.data()}}, x.data(), length);
-      EXPECT_NEAR(
-        products[0],
-        std::inner_product(a.begin(), a.begin() + length, x.begin(), 0.),
-        1e-13);
-      EXPECT_NEAR(
-        products[1],
-        std::inner_product(b.begin(), b.begin() + length, x.begin(), 0.),
-        1e-13);
-      const std::vector<float> a_f(a.begin(), a.end()), x_f(x.begin(), x.end());
-      RowProducts<1, float>    single;
-      single.add({{a_f.data()}}, x_f.data(), length);
-      EXPECT_NEAR(single[0], products[0], 1e-5);
+      products.add(rows.data(), 40, x.data(), length);
+      for (unsigned int r = 0; r < 2; ++r)
+        {
+          const auto row = rows.begin() + 40 * r;
+          EXPECT_NEAR(products[r],
+                      std::inner_product(row, row + length, x.begin(), 0.),
+                      1e-13);
+        }
+      const std::vector<float> floats(rows.begin(), rows.end());
+      const std::vector<float> x_floats(x.begin(), x.end());
+      RowProducts<2, float>    single;
+      single.add(floats.data(), 40, x_floats.data(), length);
+      EXPECT_NEAR(single[1], products[1], 1e-5);
     }
 }
 

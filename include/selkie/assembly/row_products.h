@@ -2,47 +2,55 @@
 
 #include <selkie/shape/simd.h>
 
-#include <array>
+#include <cstddef>
 
 namespace selkie
 {
   /**
-   * Products of n rows with a vector, run by run of their columns: eight
-   * entries at a time. The last eight of a run overlap those before them and
-   * count only what is new; short runs go one by one.
+   * Products of n rows with a vector, run by run of their columns: several
+   * entries at a time. The last ones of a run overlap those before them and
+   * count only what is new; short runs go one by one. (Loops over the rows are
+   * unrolled so that the sums stay in registers.)
    */
   template <unsigned int n_rows, typename Number>
   class RowProducts
   {
   public:
-    /// @param values of each row in this run
+    RowProducts()
+    {
+#pragma GCC unroll 4
+      for (unsigned int r = 0; r < n_rows; ++r)
+        {
+          sum[r]  = Lanes{};
+          rest[r] = 0;
+        }
+    }
+
+    /// @param values of the first row in this run
+    /// @param stride from there to those of the next row
     /// @param x of its first column
     void
-    add(const std::array<const Number *, n_rows> &values,
-        const Number                             *x,
-        const unsigned int                        length)
+    add(const Number      *values,
+        const std::size_t  stride,
+        const Number      *x,
+        const unsigned int length)
     {
       if (length < width)
         {
-          for (unsigned int r = 0; r < n_rows; ++r)
-            for (unsigned int k = 0; k < length; ++k)
-              rest[r] += values[r][k] * x[k];
+          for (unsigned int k = 0; k < length; ++k)
+#pragma GCC unroll 4
+            for (unsigned int r = 0; r < n_rows; ++r)
+              rest[r] += values[r * stride + k] * x[k];
           return;
         }
       unsigned int k = 0;
       for (; k + width <= length; k += width)
-        {
-          const Lanes x_k = simd::load<Lanes>(x + k);
-          for (unsigned int r = 0; r < n_rows; ++r)
-            sum[r] += simd::load<Lanes>(values[r] + k) * x_k;
-        }
+        add_lanes(values + k, stride, simd::load<Lanes>(x + k));
       if (k < length)
-        {
-          const Lanes x_k = simd::load<Lanes>(x + length - width) *
-                            simd::load<Lanes>(last[length - k]);
-          for (unsigned int r = 0; r < n_rows; ++r)
-            sum[r] += simd::load<Lanes>(values[r] + length - width) * x_k;
-        }
+        add_lanes(values + length - width,
+                  stride,
+                  simd::load<Lanes>(x + length - width) *
+                    simd::load<Lanes>(last.ones[length - k]));
     }
 
     Number
@@ -52,20 +60,32 @@ namespace selkie
     }
 
   private:
-    using Lanes                         = simd::EightOf<Number>;
-    static constexpr unsigned int width = 8;
+    using Lanes                         = simd::NativeOf<Number>;
+    static constexpr unsigned int width = sizeof(Lanes) / sizeof(Number);
+
+    void
+    add_lanes(const Number *values, const std::size_t stride, const Lanes &x)
+    {
+#pragma GCC unroll 4
+      for (unsigned int r = 0; r < n_rows; ++r)
+        sum[r] += simd::load<Lanes>(values + r * stride) * x;
+    }
 
     /// Ones in the last n lanes.
-    static constexpr Number last[width][width] = {{0, 0, 0, 0, 0, 0, 0, 0},
-                                                  {0, 0, 0, 0, 0, 0, 0, 1},
-                                                  {0, 0, 0, 0, 0, 0, 1, 1},
-                                                  {0, 0, 0, 0, 0, 1, 1, 1},
-                                                  {0, 0, 0, 0, 1, 1, 1, 1},
-                                                  {0, 0, 0, 1, 1, 1, 1, 1},
-                                                  {0, 0, 1, 1, 1, 1, 1, 1},
-                                                  {0, 1, 1, 1, 1, 1, 1, 1}};
+    struct Masks
+    {
+      constexpr Masks()
+      {
+        for (unsigned int n = 0; n < width; ++n)
+          for (unsigned int k = width - n; k < width; ++k)
+            ones[n][k] = 1;
+      }
 
-    Lanes  sum[n_rows]  = {};
-    Number rest[n_rows] = {};
+      Number ones[width][width] = {};
+    };
+    static constexpr Masks last = {};
+
+    Lanes  sum[n_rows];
+    Number rest[n_rows];
   };
 } // namespace selkie

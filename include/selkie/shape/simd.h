@@ -37,9 +37,10 @@ namespace selkie
     template <class V>
     constexpr unsigned int n_lanes = sizeof(V) / sizeof(double);
 
+    /// For doubles or floats.
     template <typename Number>
-    using EightOf =
-      std::conditional_t<std::is_same_v<Number, float>, EightFloats, Eight>;
+    using NativeOf =
+      std::conditional_t<std::is_same_v<Number, float>, EightFloats, Native>;
 
     /// x in all lanes.
     template <class V>
