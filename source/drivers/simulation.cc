@@ -121,9 +121,12 @@ namespace selkie
       if (!scene.adaptivity || time.at_end())
         return false;
       const Adaptivity &wishes = *scene.adaptivity;
+      if (time.number() % wishes.steps == 0)
+        return true;
+      if (scene.lagrangian_mesh()) // the buffer moves with the matter
+        return false;
       const double next = stepper.kept_numbers().moved + speed * time.step();
-      return time.number() % wishes.steps == 0 ||
-             next > wishes.buffer * finest_spacing(scene.domain, wishes);
+      return next > wishes.buffer * finest_spacing(scene.domain, wishes);
     }
 
     /// Adapts the mesh to the matter after a step of size @p dt. Cloud and
@@ -150,6 +153,8 @@ namespace selkie
       carried.take(*setup.mesh,
                    setup.cloud->dof_handler(),
                    stepper->kept_fields());
+      if (setup.particles.scene.lagrangian_mesh())
+        carried.make_continuous();
       const auto report =
         adapt_mesh(*setup.mesh, setup.particles, *setup.cloud, view, carried);
       if (report.changed)
