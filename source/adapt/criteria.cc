@@ -15,13 +15,15 @@ namespace selkie
 
   namespace
   {
-    /// A cell that holds points, and by how much it exceeds the limits of the
-    /// criteria: 1 is at the limit.
+    /// A cell that holds points, by how much it exceeds the limits of the
+    /// criteria that want the finest cells, 1 being at the limit, and the level
+    /// that its error asks for.
     template <int dim>
     struct OccupiedCell
     {
       typename NodeCloud<dim>::Cell cell;
       double                        excess = 0;
+      unsigned int                  level  = 0;
     };
 
     /// The figures of the cells that a criterion limits, relative to a scale of
@@ -49,7 +51,7 @@ namespace selkie
           const typename NodeCloud<dim>::Cell cell =
             point.get_surrounding_cell();
           if (cells.empty() || cells.back().cell != cell)
-            cells.push_back({cell, 0.});
+            cells.push_back({cell});
         }
       return cells;
     }
@@ -194,9 +196,45 @@ namespace selkie
       std::array<Vector, dim * dim> sum; ///< of volume times strain
     };
 
+    /// A level more where a cell's error, the norm of the difference between
+    /// strain and recovered strain, is above the limit; one less where that of
+    /// a cell twice as wide would still be below it.
+    template <int dim, typename ForEachStrain>
+    void
+    level_by_error(const ParticleSet<dim>         &particles,
+                   const ForEachStrain            &for_each_strain,
+                   const RecoveredStrain<dim>     &recovered,
+                   std::vector<OccupiedCell<dim>> &cells)
+    {
+      const auto        &wishes = *particles.scene.adaptivity;
+      const unsigned int finest =
+        base_level(particles.scene.domain) + wishes.finer;
+      // In L2, of linear functions: h, and the root of the cell's volume.
+      const double        of_parent = std::pow(2., 1. + dim / 2.);
+      std::vector<double> squares(cells.size());
+      double              all = 0.;
+      for_each_strain(
+        [&](const unsigned int i, const Tensor<2, dim> &E, const auto &point) {
+          const double V = particles.columns.volume(point.get_properties());
+          squares[i] +=
+            V * (E - recovered(cells[i].cell, point.get_reference_location()))
+                  .norm_square();
+          all += V * E.norm_square();
+        });
+      all = Utilities::MPI::sum(all, particles.communicator());
+      for (unsigned int i = 0; i < cells.size() && all > 0.; ++i)
+        {
+          const double error =
+            std::sqrt(squares[i] / all) / wishes.strain_error;
+          const unsigned int level = cells[i].cell->level();
+          cells[i].level           = error >= 1. ? std::min(level + 1, finest)
+                                     : error >= 1. / of_parent || level == 0 ? level
+                                                                             : level - 1;
+        }
+    }
+
     /// The largest strain of the solids' points in each cell, and the largest
-    /// difference of a point's strain from their mean and from the recovered
-    /// strain.
+    /// difference of a point's strain from their mean.
     template <int dim>
     void
     limit_strain(const ParticleSet<dim>         &particles,
@@ -237,18 +275,11 @@ namespace selkie
         scale = std::max(scale, strain);
       scale = Utilities::MPI::max(scale, particles.communicator());
       limit(cells, variation, wishes.strain_variation * scale);
-      if (wishes.strain_error <= 0.)
-        return;
-      const RecoveredStrain<dim> recovered(cloud, cells, mean, volume);
-      std::vector<double>        error(cells.size());
-      for_each_strain(
-        [&](const unsigned int i, const Tensor<2, dim> &E, const auto &point) {
-          error[i] = std::max(error[i],
-                              (E - recovered(cells[i].cell,
-                                             point.get_reference_location()))
-                                .norm());
-        });
-      limit(cells, error, wishes.strain_error * scale);
+      if (wishes.strain_error > 0.)
+        level_by_error(particles,
+                       for_each_strain,
+                       RecoveredStrain<dim>(cloud, cells, mean, volume),
+                       cells);
     }
 
     /// The largest value of all nodes of all ranks.
@@ -432,6 +463,12 @@ namespace selkie
           static_cast<unsigned int>(one.cell->level()) >= finest;
         if (one.excess >= (fine ? 0.5 : 1.))
           parts.push_back({box_around<dim>(one.cell, buffer), finest});
+        // An element's error stays in it.
+        if (one.level > 0)
+          parts.push_back(
+            {box_around<dim>(one.cell,
+                             particles.scene.lagrangian_mesh() ? 0. : buffer),
+             one.level});
       }
     return parts;
   }

@@ -142,11 +142,15 @@ namespace selkie
                   wishes.strain_variation,
                   "Norm of the difference between a point's strain and the "
                   "mean of its cell, of the largest strain.");
-        add_limit("Strain error",
-                  wishes.strain_error,
-                  "Norm of the difference between a point's strain and the "
-                  "one recovered there from the means of the cells around "
-                  "its cell's corners, of the largest strain.");
+        prm.add_parameter(
+          "Strain error",
+          wishes.strain_error,
+          "Norm, over a cell, of the difference between its strain and the one "
+          "recovered from the means of the cells around its corners, of the "
+          "norm of all strain. A cell above it is halved once in each "
+          "adaptation, down to 'Finer levels'; cells are joined where it would "
+          "stay below. 0: no criterion. Units: none.",
+          Patterns::Double(0.));
         add_limit("Velocity difference",
                   wishes.velocity,
                   "Between corners of a cell, of the largest speed.");
