@@ -129,12 +129,13 @@ namespace selkie
       return next > wishes.buffer * finest_spacing(scene.domain, wishes);
     }
 
-    /// Adapts the mesh to the matter after a step of size @p dt. Cloud and
-    /// stepper, which hang on the mesh, are made anew.
+    /// Adapts the mesh to the matter at @p t, after a step of size @p dt. Cloud
+    /// and stepper, which hang on the mesh, are made anew.
     template <int dim>
     AdaptReport
     adapt(Setup<dim>                    &setup,
           std::unique_ptr<Stepper<dim>> &stepper,
+          const double                   t,
           const double                   dt,
           TimerTree                     &timers,
           Log                           &log)
@@ -163,6 +164,10 @@ namespace selkie
           setup.make_cloud();
           stepper = make_stepper(setup, timers, log);
           stepper->go_on_from(carried, before->kept_numbers(), before->costs());
+          // Interpolated accelerations do not balance the forces between new
+          // nodes, and Newmark's energy needs that.
+          if (setup.particles.scene.lagrangian_mesh())
+            stepper->start(t, dt);
         }
       return report;
     }
@@ -262,7 +267,7 @@ namespace selkie
         time.advance(report.largest_speed, report.time_error);
         output.record(particles, *stepper, time, dt, report);
         if (adapts_now(scene, *stepper, report.largest_speed, time))
-          output.record(adapt(*setup, stepper, dt, timers, log));
+          output.record(adapt(*setup, stepper, time.now(), dt, timers, log));
         output.keep(particles, *stepper, *setup->mesh, time);
       }
     output.finish(particles, *stepper, time);
