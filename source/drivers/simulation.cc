@@ -166,7 +166,8 @@ namespace selkie
           stepper->go_on_from(carried, before->kept_numbers(), before->costs());
           // Interpolated accelerations do not balance the forces between new
           // nodes, and Newmark's energy needs that.
-          if (setup.particles.scene.lagrangian_mesh())
+          const Scene<dim> &scene = setup.particles.scene;
+          if (scene.lagrangian_mesh() && scene.inertia)
             stepper->start(t, dt);
         }
       return report;
