@@ -3,6 +3,7 @@
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/output/audit.h>
 #include <selkie/particles/rearrange.h>
+#include <selkie/transfer/recall_points.h>
 
 #include <algorithm>
 
@@ -46,6 +47,32 @@ namespace selkie
       return any;
     }
 
+    /// The body that holds a place, or their number.
+    template <int dim>
+    unsigned int
+    body_at(const Scene<dim> &scene, const Point<dim> &x)
+    {
+      unsigned int b = 0;
+      while (b < scene.bodies.size() && !scene.bodies[b].shape->contains(x))
+        ++b;
+      return b;
+    }
+
+    /// Whether one element could take the place of a cell and its siblings:
+    /// elements fit their bodies.
+    template <int dim>
+    bool
+    can_be_joined(const Scene<dim>                    &scene,
+                  const typename NodeCloud<dim>::Cell &cell)
+    {
+      const auto parent = cell->parent();
+      const auto body   = body_at(scene, parent->child(0)->center());
+      for (unsigned int c = 1; c < parent->n_children(); ++c)
+        if (body_at(scene, parent->child(c)->center()) != body)
+          return false;
+      return true;
+    }
+
     /// One level towards what is wanted; whether the mesh has changed.
     template <int dim>
     bool
@@ -64,7 +91,13 @@ namespace selkie
         nodes,
         wanted,
         [&](const typename NodeCloud<dim>::Cell &cell) {
-          return std::max(lowest, refined_level(domain, cell));
+          const unsigned int least =
+            std::max(lowest, refined_level(domain, cell));
+          const unsigned int level = cell->level();
+          return particles.scene.lagrangian_mesh() && level > least &&
+                     !can_be_joined(particles.scene, cell)
+                         ? level
+                         : least;
         },
         wishes.most_cells);
       if (flags.refined + flags.coarsened == 0 && !anyway)
@@ -72,6 +105,8 @@ namespace selkie
       fields.carry_along([&] {
         particles.remesh([&mesh] { mesh.execute_coarsening_and_refinement(); });
       });
+      if (particles.scene.lagrangian_mesh() && !fields.values.empty())
+        fields.make_continuous();
       return true;
     }
   } // namespace
@@ -85,11 +120,16 @@ namespace selkie
              const NodalView<dim>                      &nodes,
              CarriedFields<dim>                        &fields)
   {
-    const Adaptivity       &wishes = *particles.scene.adaptivity;
+    const Scene<dim>       &scene  = particles.scene;
+    const Adaptivity       &wishes = *scene.adaptivity;
     const WantedLevels<dim> wanted(wanted_parts(particles, cloud, nodes),
                                    particles.communicator());
-    AdaptReport             report;
-    bool                    anyway = unbalanced(particles);
+    const auto              energy = [&particles, &scene] {
+      return scene.audit ? audit(particles).energy() : 0.;
+    };
+    const double before = energy();
+    AdaptReport  report;
+    bool         anyway = unbalanced(particles);
     for (unsigned int pass = 0; pass <= wishes.finer + wishes.coarser; ++pass)
       {
         if (!adapt_once(mesh, particles, wanted, anyway, fields))
@@ -97,13 +137,16 @@ namespace selkie
         report.changed = true;
         anyway         = false;
       }
-    if (wishes.points == PointAdaptation::keep)
-      return report;
-    const auto energy = [&particles] {
-      return particles.scene.audit ? audit(particles).energy() : 0.;
-    };
-    const double before = energy();
-    if (fit_points(particles))
+    bool new_points = false;
+    if (scene.lagrangian_mesh())
+      {
+        new_points = report.changed && !fields.values.empty();
+        if (new_points)
+          recall_points(particles, fields);
+      }
+    else if (wishes.points != PointAdaptation::keep)
+      new_points = fit_points(particles);
+    if (new_points)
       report.energy = energy() - before;
     return report;
   }

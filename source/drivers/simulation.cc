@@ -121,17 +121,21 @@ namespace selkie
       if (!scene.adaptivity || time.at_end())
         return false;
       const Adaptivity &wishes = *scene.adaptivity;
+      if (time.number() % wishes.steps == 0)
+        return true;
+      if (scene.lagrangian_mesh()) // the buffer moves with the matter
+        return false;
       const double next = stepper.kept_numbers().moved + speed * time.step();
-      return time.number() % wishes.steps == 0 ||
-             next > wishes.buffer * finest_spacing(scene.domain, wishes);
+      return next > wishes.buffer * finest_spacing(scene.domain, wishes);
     }
 
-    /// Adapts the mesh to the matter after a step of size @p dt. Cloud and
-    /// stepper, which hang on the mesh, are made anew.
+    /// Adapts the mesh to the matter at @p t, after a step of size @p dt. Cloud
+    /// and stepper, which hang on the mesh, are made anew.
     template <int dim>
     AdaptReport
     adapt(Setup<dim>                    &setup,
           std::unique_ptr<Stepper<dim>> &stepper,
+          const double                   t,
           const double                   dt,
           TimerTree                     &timers,
           Log                           &log)
@@ -150,6 +154,8 @@ namespace selkie
       carried.take(*setup.mesh,
                    setup.cloud->dof_handler(),
                    stepper->kept_fields());
+      if (setup.particles.scene.lagrangian_mesh())
+        carried.make_continuous();
       const auto report =
         adapt_mesh(*setup.mesh, setup.particles, *setup.cloud, view, carried);
       if (report.changed)
@@ -158,6 +164,11 @@ namespace selkie
           setup.make_cloud();
           stepper = make_stepper(setup, timers, log);
           stepper->go_on_from(carried, before->kept_numbers(), before->costs());
+          // Interpolated accelerations do not balance the forces between new
+          // nodes, and Newmark's energy needs that.
+          const Scene<dim> &scene = setup.particles.scene;
+          if (scene.lagrangian_mesh() && scene.inertia)
+            stepper->start(t, dt);
         }
       return report;
     }
@@ -257,7 +268,7 @@ namespace selkie
         time.advance(report.largest_speed, report.time_error);
         output.record(particles, *stepper, time, dt, report);
         if (adapts_now(scene, *stepper, report.largest_speed, time))
-          output.record(adapt(*setup, stepper, dt, timers, log));
+          output.record(adapt(*setup, stepper, time.now(), dt, timers, log));
         output.keep(particles, *stepper, *setup->mesh, time);
       }
     output.finish(particles, *stepper, time);

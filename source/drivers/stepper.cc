@@ -43,7 +43,7 @@ namespace selkie
       q4 = std::make_unique<const Q4Support<dim>>(scene, cloud);
     if (scene.lagrangian_mesh())
       {
-        nodes = std::make_unique<NodalState<dim>>(cloud);
+        nodes = std::make_unique<NodalState<dim>>(cloud, *q4);
         q4->fill_points(particles, table);
         nodes->start(scene, cloud, table);
       }
@@ -476,7 +476,11 @@ namespace selkie
             fields.x.local_element(unknowns.pressure(node));
       }
     if (nodes)
-      result.displacement = nodes->displacement;
+      {
+        result.displacement = nodes->displacement;
+        if (scene.inertia)
+          result.velocity = nodes->velocity; // hanging nodes, too
+      }
     for (auto &component : result.velocity)
       component.update_ghost_values();
     result.mass.update_ghost_values();
@@ -491,10 +495,9 @@ namespace selkie
     std::map<std::string, const Vector *> fields;
     for (unsigned int d = 0; nodes && d < dim; ++d)
       {
-        const std::string axis(1, "xyz"[d]);
-        fields["displacement " + axis] = &nodes->displacement[d];
-        fields["velocity " + axis]     = &nodes->velocity[d];
-        fields["acceleration " + axis] = &nodes->acceleration[d];
+        fields[component_name("displacement", d)] = &nodes->displacement[d];
+        fields[component_name("velocity", d)]     = &nodes->velocity[d];
+        fields[component_name("acceleration", d)] = &nodes->acceleration[d];
       }
     if (scene.has_pressure())
       fields["pressure"] = &stored_pressure;
@@ -517,10 +520,9 @@ namespace selkie
     };
     for (unsigned int d = 0; nodes && d < dim; ++d)
       {
-        const std::string axis(1, "xyz"[d]);
-        restore("displacement " + axis, nodes->displacement[d]);
-        restore("velocity " + axis, nodes->velocity[d]);
-        restore("acceleration " + axis, nodes->acceleration[d]);
+        restore(component_name("displacement", d), nodes->displacement[d]);
+        restore(component_name("velocity", d), nodes->velocity[d]);
+        restore(component_name("acceleration", d), nodes->acceleration[d]);
       }
     if (scene.has_pressure())
       restore("pressure", stored_pressure);

@@ -53,7 +53,7 @@ namespace selkie
   void
   Probes<dim>::Sums::add(const Sums &other)
   {
-    n += other.n;
+    weight += other.weight;
     mass += other.mass;
     volume += other.volume;
     x += other.x;
@@ -151,18 +151,21 @@ namespace selkie
     const auto  properties = point.get_properties();
     const auto &columns    = particles.columns;
     Sums        sums;
-    sums.n    = 1;
-    sums.mass = columns.mass(properties);
+    // Means are those of the matter, however finely it is cut into points.
+    sums.weight = columns.volume(properties);
+    sums.mass   = columns.mass(properties);
     sums.volume =
       columns.volume(properties) * volume_ratio(particles, properties);
-    sums.x = sums.lower = sums.upper = point.get_location();
-    sums.mx                          = sums.mass * sums.x;
+    const auto x = point.get_location();
+    sums.lower = sums.upper = x;
+    sums.x                  = sums.weight * x;
+    sums.mx                 = sums.mass * x;
     for (unsigned int i = 0; i < dim; ++i)
-      sums.mxx[i] = sums.mx[i] * sums.x[i];
+      sums.mxx[i] = sums.mx[i] * x[i];
     if (columns.X.exists())
-      sums.u = sums.x - columns.X(properties);
+      sums.u = sums.weight * (x - columns.X(properties));
     if (columns.v.exists())
-      sums.v = columns.v(properties);
+      sums.v = sums.weight * columns.v(properties);
     return sums;
   }
 
@@ -193,12 +196,14 @@ namespace selkie
   Probes<dim>::set_means(const Sums &sums, Statistics &table) const
   {
     for (unsigned int i = 0; i < dim; ++i)
-      table.set(component_column("displacement", i, "m"), sums.u[i] / sums.n);
+      table.set(component_column("displacement", i, "m"),
+                sums.u[i] / sums.weight);
     for (unsigned int i = 0; i < dim; ++i)
-      table.set(component_column("position", i, "m"), sums.x[i] / sums.n);
+      table.set(component_column("position", i, "m"), sums.x[i] / sums.weight);
     if (particles.columns.v.exists())
       for (unsigned int i = 0; i < dim; ++i)
-        table.set(component_column("velocity", i, "m/s"), sums.v[i] / sums.n);
+        table.set(component_column("velocity", i, "m/s"),
+                  sums.v[i] / sums.weight);
   }
 
 
@@ -257,10 +262,10 @@ namespace selkie
           x[d] = nodes.cloud->position(mine)[d] + u[d];
         }
     Sums node;
-    node.n = 1;
-    node.u = sum(u, comm);
-    node.x = sum(x, comm);
-    node.v = sum(v, comm);
+    node.weight = 1;
+    node.u      = sum(u, comm);
+    node.x      = sum(x, comm);
+    node.v      = sum(v, comm);
     set_means(node, table);
   }
 
@@ -444,7 +449,11 @@ namespace selkie
   {
     if (curves.empty())
       return;
-    using Kind                   = typename Probe<dim>::Kind;
+    using Kind = typename Probe<dim>::Kind;
+    if (particles.scene.adaptivity) // points come and go
+      for (Curve &curve : curves)
+        if (curve.probe->kind == Kind::point)
+          curve.radius = radius_that_reaches(*curve.probe);
     const std::vector<Sums> sums = sums_of_curves();
     for (unsigned int c = 0; c < curves.size(); ++c)
       {

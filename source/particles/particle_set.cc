@@ -82,6 +82,8 @@ namespace selkie
             for (unsigned int c = 0; c < cell->n_children(); ++c)
               if (cell->child(c)->is_active())
                 n += points.n_particles_in_cell(cell->child(c));
+          if (!cell->is_active() && this->scene.lagrangian_mesh())
+            n /= cell->n_children(); // Gauss points of one element
           return 1 + point_weight * n;
         }))
   {}
@@ -95,13 +97,23 @@ namespace selkie
   void
   ParticleSet<dim>::seed()
   {
+    accounting             = ParticleAccounting();
+    accounting.seeded_mass = put_seeds();
+    accounting.seeded      = points.n_global_particles();
+    rebalance();
+    displace_at_start();
+  }
+
+
+  template <int dim>
+  double
+  ParticleSet<dim>::put_seeds()
+  {
     points.clear();
-    accounting                         = ParticleAccounting();
-    const std::vector<Seed<dim>> seeds = seed_points(scene, mesh);
-    std::vector<double>          properties(fields.n_components());
-    const auto                   view = dealii::make_array_view(properties);
-    double                       mass = 0;
-    for (const Seed<dim> &seed : seeds)
+    std::vector<double> properties(fields.n_components());
+    const auto          view = dealii::make_array_view(properties);
+    double              mass = 0;
+    for (const Seed<dim> &seed : seed_points(scene, mesh))
       {
         set_first_state(scene, columns, seed, view);
         mass += columns.mass(view);
@@ -109,10 +121,7 @@ namespace selkie
           seed.x, seed.reference, seed.id, seed.cell, properties);
       }
     points.update_cached_numbers();
-    accounting.seeded      = points.n_global_particles();
-    accounting.seeded_mass = dealii::Utilities::MPI::sum(mass, communicator());
-    rebalance();
-    displace_at_start();
+    return dealii::Utilities::MPI::sum(mass, communicator());
   }
 
 
@@ -154,6 +163,14 @@ namespace selkie
   void
   ParticleSet<dim>::remesh(const std::function<void()> &change)
   {
+    if (scene.lagrangian_mesh())
+      {
+        change();
+        put_seeds();
+        accounting.seeded = points.n_global_particles();
+        check_accounting();
+        return;
+      }
     std::vector<std::vector<double>> records;
     records.reserve(points.n_locally_owned_particles());
     for (const auto &point : points)

@@ -8,11 +8,11 @@
 #include <deal.II/base/utilities.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_values.h>
-#include <deal.II/fe/mapping_q1.h>
 #include <deal.II/grid/cell_id.h>
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <random>
 #include <sstream>
 #include <string>
@@ -173,6 +173,22 @@ namespace selkie
         }
     }
 
+    /// The Gauss points of a body's elements.
+    template <int dim>
+    struct ElementPoints
+    {
+      explicit ElementPoints(const unsigned int per_direction)
+        : gauss(per_direction)
+        , values(element,
+                 gauss,
+                 dealii::update_quadrature_points | dealii::update_JxW_values)
+      {}
+
+      const dealii::FE_Q<dim>   element{1};
+      const dealii::QGauss<dim> gauss;
+      dealii::FEValues<dim>     values;
+    };
+
     /// The Gauss points of a finite element, which belongs to the body that
     /// holds its centre.
     template <int dim>
@@ -180,29 +196,47 @@ namespace selkie
     seed_element(const Scene<dim>                               &scene,
                  const unsigned int                              b,
                  const typename Mesh<dim>::active_cell_iterator &cell,
+                 ElementPoints<dim>                             &points,
                  std::vector<Seed<dim>>                         &seeds)
     {
       if (!scene.bodies[b].shape->contains(cell->center()))
         return;
       check_claim(scene, b, cell->center());
-      const dealii::FE_Q<dim>      element(1);
-      const dealii::QGauss<dim>    gauss(scene.bodies[b].points_per_direction);
-      const dealii::MappingQ1<dim> mapping;
-      dealii::FEValues<dim>        values(mapping,
-                                   element,
-                                   gauss,
-                                   dealii::update_quadrature_points |
-                                     dealii::update_JxW_values);
-      values.reinit(
+      points.values.reinit(
         static_cast<const typename dealii::Triangulation<dim>::cell_iterator &>(
           cell));
-      for (unsigned int q = 0; q < gauss.size(); ++q)
+      for (unsigned int q = 0; q < points.gauss.size(); ++q)
         seeds.push_back({cell,
-                         values.quadrature_point(q),
-                         gauss.point(q),
+                         points.values.quadrature_point(q),
+                         points.gauss.point(q),
                          b,
-                         values.JxW(q),
+                         points.values.JxW(q),
                          0});
+    }
+
+    template <int dim>
+    void
+    seed_cells(const Scene<dim>       &scene,
+               const Mesh<dim>        &mesh,
+               std::vector<Seed<dim>> &seeds)
+    {
+      for (const auto &cell : cells_on_curve(mesh))
+        for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+          seed_cell(scene, b, cell, seeds);
+    }
+
+    template <int dim>
+    void
+    seed_elements(const Scene<dim>       &scene,
+                  const Mesh<dim>        &mesh,
+                  std::vector<Seed<dim>> &seeds)
+    {
+      std::deque<ElementPoints<dim>> points; // FEValues do not move
+      for (const auto &body : scene.bodies)
+        points.emplace_back(body.points_per_direction);
+      for (const auto &cell : cells_on_curve(mesh))
+        for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+          seed_element(scene, b, cell, points[b], seeds);
     }
 
     /// Volumes of the bodies' points on all ranks. Throws SceneError when one
@@ -293,10 +327,8 @@ namespace selkie
     const MPI_Comm         comm = mesh.get_communicator();
     std::vector<Seed<dim>> seeds;
     fail_together<SceneError>(comm, [&] {
-      for (const auto &cell : cells_on_curve(mesh))
-        for (unsigned int b = 0; b < scene.bodies.size(); ++b)
-          scene.lagrangian_mesh() ? seed_element(scene, b, cell, seeds)
-                                  : seed_cell(scene, b, cell, seeds);
+      scene.lagrangian_mesh() ? seed_elements(scene, mesh, seeds)
+                              : seed_cells(scene, mesh, seeds);
     });
     const auto volumes = seeded_volumes(scene, seeds, comm);
     if (scene.lagrangian_mesh())

@@ -218,6 +218,24 @@ namespace selkie
   }
 
   template <int dim>
+  void
+  Q4Support<dim>::interpolate_hanging(Vector &field) const
+  {
+    field.update_ghost_values();
+    for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+      if (const auto *masters =
+            hanging.get_constraint_entries(cloud.global_index(node)))
+        {
+          double value = 0.;
+          for (const auto &[master, weight] : *masters)
+            value += weight * field.local_element(
+                                cloud.partitioner()->global_to_local(master));
+          field.local_element(node) = value;
+        }
+    field.update_ghost_values();
+  }
+
+  template <int dim>
   Occupancy<dim>
   Q4Support<dim>::occupancy(const SupportTable<dim> &table) const
   {

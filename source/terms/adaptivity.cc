@@ -34,18 +34,26 @@ namespace selkie
                     {"split", PointAdaptation::split},
                     {"keep", PointAdaptation::keep}},
                    "What is done with points that are too large for their cell "
-                   "or too small. Units: none.");
+                   "or too small. With 'q4 fem' they are the Gauss points of "
+                   "their element. Units: none.");
       }
 
       void
       check(const Scene<dim> &scene) const override
       {
         const Adaptivity &wishes = *scene.adaptivity;
-        if (scene.approximation != Approximation::lme_mpm)
+        if (scene.approximation == Approximation::q4_mpm)
           fail(scene,
                "Effects",
-               "'adaptivity' needs 'Approximation' = 'lme mpm': only LME "
-               "functions take nodes of any spacing");
+               "'adaptivity' needs 'Approximation' = 'lme mpm' or 'q4 fem': "
+               "points under bilinear functions do not follow a change of the "
+               "mesh");
+        if (scene.domain.mesh)
+          fail(scene,
+               "Effects",
+               "'adaptivity' needs a box of cells (Domain/Cells): cells of an "
+               "imported mesh would not keep their bodies' volume when they "
+               "are halved");
         if (scene.release)
           fail(scene,
                "Effects",
@@ -134,6 +142,15 @@ namespace selkie
                   wishes.strain_variation,
                   "Norm of the difference between a point's strain and the "
                   "mean of its cell, of the largest strain.");
+        prm.add_parameter(
+          "Strain error",
+          wishes.strain_error,
+          "Norm, over a cell, of the difference between its strain and the one "
+          "recovered from the means of the cells around its corners, of the "
+          "norm of all strain. A cell above it is halved once in each "
+          "adaptation, down to 'Finer levels'; cells are joined where it would "
+          "stay below. 0: no criterion. Units: none.",
+          Patterns::Double(0.));
         add_limit("Velocity difference",
                   wishes.velocity,
                   "Between corners of a cell, of the largest speed.");
@@ -151,14 +168,16 @@ namespace selkie
       {
         const bool any = wishes.surface || wishes.interface ||
                          !wishes.bodies.empty() || wishes.strain > 0. ||
-                         wishes.strain_variation > 0. || wishes.velocity > 0. ||
+                         wishes.strain_variation > 0. ||
+                         wishes.strain_error > 0. || wishes.velocity > 0. ||
                          wishes.pressure > 0. || wishes.error > 0.;
         if (!any)
-          fail(scene,
-               "Effects",
-               "'adaptivity' needs a criterion (section Adaptivity): Surface, "
-               "Interface, Bodies, Strain, Strain variation, Velocity "
-               "difference, Pressure difference or Velocity error");
+          fail(
+            scene,
+            "Effects",
+            "'adaptivity' needs a criterion (section Adaptivity): Surface, "
+            "Interface, Bodies, Strain, Strain variation, Strain "
+            "error, Velocity difference, Pressure difference or Velocity error");
         const auto need = [&scene](const double       limit,
                                    const bool         there,
                                    const std::string &name,
@@ -172,6 +191,7 @@ namespace selkie
              scene.has_solid(),
              "Strain variation",
              "solid");
+        need(wishes.strain_error, scene.has_solid(), "Strain error", "solid");
         need(wishes.velocity, moves, "Velocity difference", "inertia");
         need(wishes.pressure,
              moves && scene.has_pressure(),

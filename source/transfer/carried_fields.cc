@@ -3,6 +3,9 @@
 #include <deal.II/distributed/solution_transfer.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
+#include <deal.II/lac/affine_constraints.h>
+
+#include <cmath>
 
 namespace selkie
 {
@@ -62,6 +65,26 @@ namespace selkie
     reinit();
     auto list = pointers();
     transfer.interpolate(list);
+    update_ghosts();
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::make_continuous()
+  {
+    IndexSet relevant;
+    DoFTools::extract_locally_relevant_dofs(dofs, relevant);
+    AffineConstraints<double> hanging(relevant);
+    DoFTools::make_hanging_node_constraints(dofs, hanging);
+    hanging.close();
+    for (auto &[name, field] : values)
+      {
+        field.zero_out_ghost_values();
+        for (double &value : field)
+          if (std::isnan(value))
+            value = 0.;
+        hanging.distribute(field);
+      }
     update_ghosts();
   }
 

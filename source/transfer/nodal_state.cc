@@ -5,12 +5,14 @@ namespace selkie
   using namespace dealii;
 
   template <int dim>
-  NodalState<dim>::NodalState(const NodeCloud<dim> &cloud)
+  NodalState<dim>::NodalState(const NodeCloud<dim> &cloud,
+                              const Q4Support<dim> &q4)
+    : q4(q4)
   {
     for (auto *field : {&displacement, &velocity, &acceleration})
       for (Vector &component : *field)
         component.reinit(cloud.partitioner());
-    update_ghosts();
+    complete();
   }
 
   template <int dim>
@@ -47,7 +49,7 @@ namespace selkie
             velocity[d].local_element(node) =
               sum[d].local_element(node) / count.local_element(node);
       }
-    update_ghosts();
+    complete();
   }
 
   template <int dim>
@@ -71,7 +73,7 @@ namespace selkie
       for (unsigned int d = 0; d < dim; ++d)
         acceleration[d].local_element(node) =
           a.local_element(system.displacement(node) + d);
-    update_ghosts();
+    complete();
   }
 
   template <int dim>
@@ -93,16 +95,16 @@ namespace selkie
                                  fields.v_n.local_element(u),
                                  fields.a_n.local_element(u));
         }
-    update_ghosts();
+    complete();
   }
 
   template <int dim>
   void
-  NodalState<dim>::update_ghosts()
+  NodalState<dim>::complete()
   {
     for (auto *field : {&displacement, &velocity, &acceleration})
       for (Vector &component : *field)
-        component.update_ghost_values();
+        q4.interpolate_hanging(component);
   }
 
   template struct NodalState<2>;

@@ -28,6 +28,11 @@ SCENES = {  # file, what makes it small; each carries something else along
                   "Adaptivity/Coarser levels=1", "Adaptivity/Buffer=1"]),
     "cantilever": (BENCHMARKS / "cantilever.prm",  # F, lambda, tip probe
                    ["Time/End time=0.3", "Output/Interval=0.05"]),
+    "elements": (BENCHMARKS / "cantilever.prm",  # nodes' fields and points of another mesh
+                 ["Time/End time=0.3", "Output/Interval=0.05", "Approximation=q4 fem",
+                  "Effects=inertia, gravity, probes, adaptivity", "Adaptivity/Steps=3",
+                  "Adaptivity/Finer levels=2", "Adaptivity/Coarser levels=1",
+                  "Adaptivity/Strain error=0.02"]),
     "membrane": (BENCHMARKS / "cook_membrane.prm", []),  # nodes of finite elements, static
     "release": (ROOT / "tests" / "scenes" / "wall_release.prm", []),  # nodes let go by walls
 }
@@ -116,7 +121,7 @@ def other_ranks(program, folder, scene="dam_break"):
                 "Linear solver/Tolerance=1e-10", "Newton/Tolerance=1e-11")
     expect(run(program, scene, folder / "whole", *settings)[0] == 0, "the whole run on one rank")
     steps = sorted(p.name for p in (folder / "whole/checkpoint").iterdir() if p.is_dir())
-    for ranks in (1, 2, 3) if scene == "adaptive" else (2, 3):
+    for ranks in (1, 2, 3) if scene in ("adaptive", "elements") else (2, 3):
         half = folder / f"half{ranks}"
         shutil.copytree(folder / "whole", half)
         (half / "checkpoint/last_good").write_text(steps[0])

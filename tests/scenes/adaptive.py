@@ -3,6 +3,8 @@
 
     adaptive.py CASE SELKIE [ARGUMENTS]
 """
+import math
+
 from check import A, HERE, affine_prescribed, check, determinant, main, run, table, worst
 from water import FROM_REST, column
 
@@ -18,6 +20,39 @@ def patch(selkie, folder):
                           "Effects=inertia, prescribed motion, probes, adaptivity")
         cells = table(out / "statistics.csv")["cells"]
         check(f"{points}: steps for each number of cells", len(cells) / len(set(cells)), 5)
+
+
+def elements(selkie, folder):
+    """F = I + g A everywhere by finite elements, though only the rim is told to move, while
+    the strain goes up and down and the mesh between two levels with it."""
+    speed, omega, dt = 1., 22., 0.1
+    v = "; ".join(f"({A[d][0]}*x + {A[d][1]}*y)*{speed}*cos({omega}*t)" for d in (0, 1))
+    s = run(selkie, HERE / "hanging_nodes.prm", folder,
+            ("Effects=prescribed motion, probes, adaptivity", *EVERY_STEP,
+             "Adaptivity/Strain=0.012", f"Time/Step={dt}", "Time/End time=2",
+             *(f"Domain/Walls/{wall} velocity={v}" for wall in ("left", "right", "bottom", "top"))))
+    check("steps that are missing", len(s["time"]) - 20, 0)
+    E, nu = 1e6, 0.3
+    G, Lambda = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    error = dict.fromkeys(("min J", "max J", "volume", "strain energy"), 0.)
+    g = 0.
+    for n in range(len(s["time"])):
+        g += 0.5 * dt * speed * (math.cos(omega * n * dt) + math.cos(omega * (n + 1) * dt))
+        F = [[1 + g * A[0][0], g * A[0][1]], [g * A[1][0], 1 + g * A[1][1]]]
+        J = determinant(F)
+        W = 0.5 * G * (sum(f * f for row in F for f in row) - 2) - G * math.log(J) \
+            + Lambda / 4 * (J * J - 1 - 2 * math.log(J))
+        for name, value, scale in (("min J", J, 1.), ("max J", J, 1.), ("volume", J, 1.),
+                                   ("strain energy", W, 1e-3 * E)):
+            error[name] = max(error[name], abs(s[name][n] - value) / scale)
+    for name, value in error.items():
+        check(name, value, 1e-9)
+    check("mass", worst(s["mass"], s["mass"][0]) / s["mass"][0], 1e-12)
+    check("energy of adapting over the strain energy",
+          max(map(abs, s["energy of adapting"])) / max(s["strain energy"]), 1e-12)
+    cells = s["cells"]
+    check("steps for each change of the mesh",
+          len(cells) / max(1, sum(a != b for a, b in zip(cells, cells[1:]))), 3)
 
 
 def flight(selkie, folder):
@@ -59,4 +94,4 @@ def still(selkie, folder, end="0.5"):
 
 
 if __name__ == "__main__":
-    main({"patch": patch, "flight": flight, "still": still})
+    main({"patch": patch, "elements": elements, "flight": flight, "still": still})

@@ -15,8 +15,9 @@ namespace selkie
   /**
    * Adapts the background mesh to the matter (effect `adaptivity`): refines
    * and coarsens until every cell has the level that the criteria want, shares
-   * it out among the ranks again, splits and merges points. The same on any
-   * number of ranks.
+   * it out among the ranks again, splits and merges points; with a Lagrangian
+   * mesh these are Gauss points again, with the state that the nodes' fields
+   * have there. The same on any number of ranks.
    * @param cloud of the mesh as it is; no longer valid after a change
    * @param nodes see NodalView
    * @param fields of the nodes; they go with the cells

@@ -79,7 +79,7 @@ namespace selkie
     /// What is summed over the points of a probe.
     struct Sums
     {
-      double                 n = 0, mass = 0, volume = 0;
+      double                 weight = 0, mass = 0, volume = 0;
       dealii::Tensor<1, dim> x, u, v; ///< position, displacement, velocity
       dealii::Tensor<1, dim> mx, mxx; ///< first and second moments of mass
       dealii::Tensor<1, dim> lower, upper;

@@ -104,7 +104,9 @@ namespace selkie
 
     /// Lets @p change refine, coarsen or repartition the mesh, and puts the
     /// points into their cells again: deal.II's transfer loses some that lie on
-    /// faces. What hangs on the mesh must be built anew.
+    /// faces. Those of a Lagrangian mesh are seeded anew instead, in the
+    /// undeformed state and of the same mass altogether: see recall_points().
+    /// What hangs on the mesh must be built anew.
     void
     remesh(const std::function<void()> &change);
 
@@ -175,6 +177,9 @@ namespace selkie
     using Iterator = dealii::Particles::ParticleIterator<dim>;
     struct Motion;
 
+    /// Replaces all points by those of seed_points(). Returns their mass.
+    double
+    put_seeds();
     void
     displace_at_start();
     Motion

@@ -183,6 +183,7 @@ namespace selkie
     std::vector<unsigned int> bodies;
     double                    strain           = 0;
     double                    strain_variation = 0; ///< in a cell
+    double                    strain_error     = 0; ///< to the recovered one
     double          velocity = 0; ///< difference in a cell, of the largest
     double          pressure = 0; ///< difference in a cell, of the largest
     double          error    = 0; ///< of a coarser velocity, of the largest

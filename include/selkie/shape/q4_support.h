@@ -39,6 +39,11 @@ namespace selkie
     add_loaded_faces(const std::array<Vector, dim> &displacement,
                      SupportTable<dim>             &table) const;
 
+    /// Gives hanging nodes what their masters' functions have there.
+    /// Collective; the field's ghosts are up to date afterwards.
+    void
+    interpolate_hanging(Vector &field) const;
+
     /// The phases of the nodes that the table names, on any rank. Collective.
     Occupancy<dim>
     occupancy(const SupportTable<dim> &table) const;

@@ -10,6 +10,13 @@
 
 namespace selkie
 {
+  /// The name of a component of a vector field, e.g. "velocity x".
+  inline std::string
+  component_name(const std::string &field, const unsigned int d)
+  {
+    return field + ' ' + "xyz"[d];
+  }
+
   /// What nodes keep from step to step, by name, while the mesh changes.
   template <int dim>
   struct CarriedFields
@@ -36,6 +43,11 @@ namespace selkie
     /// the cell's nodes has none. Collective.
     void
     carry_along(const std::function<void()> &change);
+
+    /// Makes the fields those of finite elements: hanging nodes get what their
+    /// masters have there, nodes without a value (NaN) zero. Collective.
+    void
+    make_continuous();
 
     /// The values, for those functions of deal.II that take lists.
     std::vector<Vector *>

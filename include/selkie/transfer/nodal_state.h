@@ -5,14 +5,15 @@
 #include <selkie/base/types.h>
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/scene/scene.h>
-#include <selkie/shape/support_table.h>
+#include <selkie/shape/q4_support.h>
 
 #include <array>
 
 namespace selkie
 {
   /// What the nodes of a Lagrangian mesh keep from step to step, in cloud
-  /// numbering, with ghosts; zero at nodes without unknowns.
+  /// numbering, with ghosts; zero at nodes without unknowns, but for hanging
+  /// ones, which go with their masters.
   template <int dim>
   struct NodalState
   {
@@ -20,7 +21,8 @@ namespace selkie
     std::array<Vector, dim> velocity;     ///< m/s
     std::array<Vector, dim> acceleration; ///< m/s^2
 
-    explicit NodalState(const NodeCloud<dim> &cloud);
+    /// @param q4 of the same cloud; it must stay.
+    NodalState(const NodeCloud<dim> &cloud, const Q4Support<dim> &q4);
 
     /// The initial velocities of the bodies, at their nodes; the mean of all
     /// bodies' at a common one. Collective.
@@ -45,7 +47,10 @@ namespace selkie
          const StepFields  &fields);
 
   private:
+    /// Hanging nodes and ghosts follow. Collective.
     void
-    update_ghosts();
+    complete();
+
+    const Q4Support<dim> &q4;
   };
 } // namespace selkie
