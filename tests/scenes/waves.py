@@ -82,7 +82,7 @@ def formulas(*_):
 
 
 def amplitude(folder):
-    """Times and first mode over its start, of the uppermost cell of water: both
+    """Times and first mode over its start, of the uppermost row of points: both
     crests less the trough between them. Crests and trough share the second mode
     (k a0^2 / 2 at the surface) and any sinking, which so drop out."""
     left, middle, right = (table(folder / "probes" / f"{name}.csv")
@@ -119,12 +119,13 @@ def deviations(folder, nu):
 def wave(selkie, folder, nu, cells=40, settings=()):
     cells = int(cells)
     h, rows = 2 / cells, math.ceil(0.6 * cells)
+    top = 1 - 0.4 * h  # above it: the uppermost row of 2 or 3 points a cell
     run(selkie, BENCHMARKS / "standing_wave.prm", folder,
         (f"Domain/Cells={cells}, {rows}", f"Domain/Upper corner=2, {rows * h!r}",
          f"Bodies/water/Law parameters/Viscosity={1000 * float(nu)!r}",
-         f"Probes/left/Shape=box(0, {1 - h!r}, {h!r}, 1)",
-         f"Probes/middle/Shape=box({1 - h!r}, {1 - h!r}, {1 + h!r}, 1)",
-         f"Probes/right/Shape=box({2 - h!r}, {1 - h!r}, 2, 1)",
+         f"Probes/left/Shape=box(0, {top!r}, {h!r}, 1)",
+         f"Probes/middle/Shape=box({1 - h!r}, {top!r}, {1 + h!r}, 1)",
+         f"Probes/right/Shape=box({2 - h!r}, {top!r}, 2, 1)",
          f"Time/Step={0.2 / cells!r}", *settings))
     return report(folder, nu)
 
