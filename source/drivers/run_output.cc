@@ -496,6 +496,21 @@ namespace selkie
     log.line("          The last good state is in " + folder + ".");
   }
 
+  template <int dim>
+  void
+  RunOutput<dim>::fail_at_start(const ParticleSet<dim> &particles,
+                                const Stepper<dim>     &stepper,
+                                const TimeControl      &time,
+                                const std::string      &why)
+  {
+    close(particles, stepper, time, why);
+    log.line("Failed    at the start:");
+    log.line("          " + why);
+    log.line("          No step was tried, and a smaller one would not help. "
+             "Change what this names, be it the first state of a body, its "
+             "law, the walls or the shape functions, and run the scene again.");
+  }
+
   template class RunOutput<2>;
   template class RunOutput<3>;
 } // namespace selkie

@@ -8,7 +8,8 @@ Scene i has the seed S + i, which alone decides what it is (random_scene.py);
 
     0   done: end time reached, points and mass accounted for, all figures finite
     1   refused: one line that names the file and the parameter, nothing written
-    2   failed: the reason on the screen and in summary.json, a checkpoint
+    2   failed: the reason on the screen and in summary.json, a checkpoint unless
+        it was at the start
 
 Prints a tally and, for each violation, the command that repeats it; exit code 1 if
 there is one. --keep keeps the folders of all scenes; --shrink takes away from a
@@ -127,14 +128,16 @@ def refused(folder, out, lines):
 
 
 def failed(folder, out, lines):
-    if not any((folder / "out" / "checkpoint").glob("*/*")):
-        yield f"no checkpoint: {' | '.join(lines)[:300]}"
     if not (folder / "out" / "summary.json").exists():
         yield f"no summary: {' | '.join(lines)[:300]}"
         return
     failure = json.loads((folder / "out" / "summary.json").read_text())["failure"]
     if not failure or "".join(failure.split()) not in "".join((out + "".join(lines)).split()):
         yield f"message: the screen does not say '{failure}'"
+    if "Failed    at the start:" in (folder / "out" / "log.txt").read_text():
+        return
+    if not any((folder / "out" / "checkpoint").glob("*/*")):
+        yield f"no checkpoint: {' | '.join(lines)[:300]}"
     if (folder / "out" / "statistics.csv").stat().st_size > 0:  # of a step, at least
         yield from figures(folder / "out")
 
