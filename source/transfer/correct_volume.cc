@@ -14,9 +14,6 @@ namespace selkie
 
   namespace
   {
-    /// Of the local correction, of the pressure that is there (both rms).
-    constexpr double largest_pressure = 0.02;
-
     /// The hat functions of a box-shaped cell at x.
     template <int dim>
     std::array<double, (1u << dim)>
@@ -103,7 +100,7 @@ namespace selkie
     // How far each point is beyond the deadband, and the mean of that: the
     // local part of the correction only moves volume from one place to another.
     std::vector<double>   crowd(table.points.size());
-    std::array<double, 4> sums{}; // of crowd, volume, squares of p and dp
+    std::array<double, 2> sums{}; // of crowd, of volume
     for (const auto &patch : table.patches)
       if (patch.fluid && !patch.surface)
         {
@@ -119,26 +116,14 @@ namespace selkie
                 std::clamp(theta_q - 1. - parameters.volume_deadband, 0., 0.2);
               if (!patch.integration)
                 continue;
-              const auto  &point = table.points[i];
-              const auto  &law   = static_cast<const FluidLaw &>(*point.law);
-              const double V     = point.volume * point.J_n;
-              const double h     = patch.cell->extent_in_direction(0);
-              const double p     = law.pressure(point.J_n);
-              const double dp =
-                law.density() * h * h * share(1.) * crowd[i] / (dt * dt);
+              const double V = table.points[i].volume * table.points[i].J_n;
               sums[0] += V * crowd[i];
               sums[1] += V;
-              sums[2] += V * p * p;
-              sums[3] += V * dp * dp;
             }
         }
     for (double &sum : sums)
       sum = Utilities::MPI::sum(sum, theta.get_mpi_communicator());
     const double mean_crowd = sums[1] > 0. ? sums[0] / sums[1] : 0.;
-    // Without a pressure there is nothing to hide it in.
-    const double limit = largest_pressure * std::sqrt(sums[2]);
-    const double dp    = std::sqrt(sums[3]);
-    const double local = share(1.) * (dp > limit ? limit / dp : 1.);
 
     for (const auto &patch : table.patches)
       if (patch.fluid && !patch.surface)
@@ -148,7 +133,7 @@ namespace selkie
           {
             auto        &point = table.points[i];
             const double shrink =
-              local * (crowd[i] - mean_crowd) + share(0.25) * result.excess;
+              share(1.) * (crowd[i] - mean_crowd) + share(0.25) * result.excess;
             if (patch.integration)
               result.energy +=
                 point.volume * point.J_n * shrink *

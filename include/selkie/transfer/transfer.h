@@ -59,7 +59,7 @@ namespace selkie
   /**
    * Volume drift: points that crowd get a smaller J_n, so that the fluid
    * expands again (formulation.md 4, quadrature.md 4). In a step
-   *   J_n *= 1 - rate dt (scale (crowd - mean crowd) + excess / 4),
+   *   J_n *= 1 - rate dt (crowd - mean crowd + excess / 4),
    *   crowd = min(0.2, max(0, theta - 1 - deadband)).
    * theta is the volume of the points over that of the space: both are weighted
    * with the cells' hat functions, whose integrals are known on any mesh, and
@@ -67,13 +67,7 @@ namespace selkie
    * only the upper side counts; so the local part is there to move volume, and
    * the drift of the whole is corrected both ways by the mean of theta - 1 over
    * the nodes deep inside the fluid, smoothed over the time 2 / rate lest the
-   * pressure jumps.
-   *
-   * The divergence that moves volume within a cell is lost between two steps,
-   * when points and nodes exchange velocities, and is made anew in each: it
-   * takes a pressure of about dp = rho h^2 rate crowd / dt, which in short steps
-   * would swamp all others. The local part is therefore scaled down so that the
-   * rms of dp is at most 2 % of that of the pressure. Collective.
+   * pressure jumps. Collective.
    * @param last_excess that of the last step
    */
   template <int dim>
