@@ -63,14 +63,15 @@ namespace selkie
       const MPI_Comm comm    = particles.communicator();
       const double   fullest =
         Utilities::MPI::max(double(handler.n_locally_owned_particles()), comm);
+      const double ranks = Utilities::MPI::n_mpi_processes(comm);
+      const double all   = handler.n_global_particles();
       statistics.set(
         "cells",
         cloud.dof_handler().get_triangulation().n_global_active_cells());
       statistics.set("points split", particles.accounting.split);
       statistics.set("points merged", particles.accounting.merged);
       statistics.set("imbalance of points",
-                     fullest * Utilities::MPI::n_mpi_processes(comm) /
-                       handler.n_global_particles());
+                     all > 0. ? fullest * ranks / all : 1.);
     }
   } // namespace
 

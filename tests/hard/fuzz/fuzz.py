@@ -98,8 +98,11 @@ def figures(out):
         return
     points = summary["material points"]
     removed = statistics.get("points removed", [0] * len(statistics["points"]))
-    if any(n + r != points["seeded"] for n, r in zip(statistics["points"], removed)):
-        yield f"points: {statistics['points']} and removed {removed} of {points['seeded']}"
+    # An adaptive mesh splits points and merges them.
+    gained = [s - m for s, m in zip(statistics.get("points split", [0] * len(removed)),
+                                    statistics.get("points merged", [0] * len(removed)))]
+    if any(n + r - g != points["seeded"] for n, r, g in zip(statistics["points"], removed, gained)):
+        yield f"points: {statistics['points']}, removed {removed} and gained {gained} of {points['seeded']}"
     for mass, r in zip(statistics.get("mass", []), removed):
         lost = points["removed mass"] if r == removed[-1] else 0 if r == 0 else points["seeded mass"] - mass
         if not abs(mass + lost - points["seeded mass"]) <= 1e-10 * points["seeded mass"]:
