@@ -1028,6 +1028,30 @@ Which time steps, shape functions and numbers of points a dam break and a loaded
 """
 
 
+RECOVERY = """
+## What happens to a step that fails
+
+Which test shows it; tests by their names in `ctest -N`, those with a capital letter are parts of `unit`.
+
+| what must happen | test |
+| --- | --- |
+| Newton that does not converge: taken again with a shorter step, then the end with checkpoint, message and exit code 2 | `failures.numerical.newton` |
+| Newton that stagnates stops and says where; slow progress goes on | `Newton.StopsWhereItStagnatesAndSaysWhere`, `Newton.SlowProgressIsNoStagnation` |
+| J <= 0 at a point, in any iterate | `failures.numerical.inverted_element`, `Stepper.AnInvertedPointLeavesNoTrace` |
+| no shape functions (lambda not found), or a pressure that the law never reaches: on all ranks, though one rank meets it | `Lme/*.OutsideIsRefused`, `Lme/*.TooFewOrFlatNodes`, `failures.numerical.at_start_on_2_ranks` |
+| the linear solver breaks down: iterative, direct, then a failure of the step | `LinearSolverMPI.ASingularMatrixIsATypedFailure` |
+| a number that is not finite | `Newton.RefusesNumbersThatAreNotFinite`, `Stepper.ALoadThatIsNoNumberLeavesNoTrace` |
+| energy from nothing above `Time/Largest energy jump` | `scene.energy_jump`, `failures.numerical.energy_jump` |
+| a point leaves the domain | `failures.numerical.leaves_the_domain` |
+| a failed step leaves positions and properties of all points as they were, to the bit | `Stepper.AFailedStepLeavesNoTrace`, `Stepper.AStepThatMakesEnergyLeavesNoTrace` |
+| a cut halves the step and leaves the time; the step grows again after good ones, within the scene's limits; the log says what ruled | `TimeControl.*` |
+| the message names node, body and the terms with the largest residual | `failures.numerical.newton_says_where`, `failures.numerical.ranks_without_unknowns` |
+| a start that fails ends with reason, verdict and what to do | `failures.numerical.at_start` |
+| killed at 20 random times, damaged checkpoints, full disc, folder gone | `resume.killed.20`, `resume.damaged`, `failures.write.*` |
+| nothing else: no crash, hang, lost point or silent end in random scenes | `hard.fuzz_500` |
+"""
+
+
 def number(value):
     return "-" if math.isnan(value) else f"{value:.3g}"
 
@@ -1073,6 +1097,7 @@ def markdown(results, version):
     for safe in dict.fromkeys(case.safe for case in CASES if case.safe):
         names = ", ".join(f"`{case.name}`" for case in CASES if case.safe == safe)
         out.append(f"| {names} | {safe} |")
+    out.append(RECOVERY.rstrip())
     return "\n".join(out) + "\n"
 
 
