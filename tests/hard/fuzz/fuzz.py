@@ -75,6 +75,14 @@ def table(path):
     return {name.split(" (")[0]: [float(row[i]) for row in rows] for i, name in enumerate(head)}
 
 
+def gone(out):
+    """Whether points were removed."""
+    try:
+        return json.loads((out / "summary.json").read_text())["material points"]["removed"] > 0
+    except (OSError, ValueError):
+        return False
+
+
 def figures(out):
     """What is wrong with statistics.csv and probes/*.csv. Not a number, there, are the
     height of nobody, the volume ratio of no point and the force on a wall before the
@@ -87,6 +95,9 @@ def figures(out):
             continue
         for name, values in columns.items():
             known = values[1:] if name.startswith(("force", "moment")) else [] if name.startswith("height") else values
+            if file.parent.name == "probes" and gone(out):  # nowhere is a mean of points that were removed
+                while known and math.isnan(known[-1]):
+                    known = known[:-1]
             if name in ("min J", "max J"):
                 known = [value for value, points in zip(values, columns["points"]) if points]
             if not all(map(math.isfinite, known)):
