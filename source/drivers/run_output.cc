@@ -63,14 +63,15 @@ namespace selkie
       const MPI_Comm comm    = particles.communicator();
       const double   fullest =
         Utilities::MPI::max(double(handler.n_locally_owned_particles()), comm);
+      const double ranks = Utilities::MPI::n_mpi_processes(comm);
+      const double all   = handler.n_global_particles();
       statistics.set(
         "cells",
         cloud.dof_handler().get_triangulation().n_global_active_cells());
       statistics.set("points split", particles.accounting.split);
       statistics.set("points merged", particles.accounting.merged);
       statistics.set("imbalance of points",
-                     fullest * Utilities::MPI::n_mpi_processes(comm) /
-                       handler.n_global_particles());
+                     all > 0. ? fullest * ranks / all : 1.);
     }
   } // namespace
 
@@ -494,6 +495,21 @@ namespace selkie
                     time.step()));
     log.line("          " + why);
     log.line("          The last good state is in " + folder + ".");
+  }
+
+  template <int dim>
+  void
+  RunOutput<dim>::fail_at_start(const ParticleSet<dim> &particles,
+                                const Stepper<dim>     &stepper,
+                                const TimeControl      &time,
+                                const std::string      &why)
+  {
+    close(particles, stepper, time, why);
+    log.line("Failed    at the start:");
+    log.line("          " + why);
+    log.line("          No step was tried, and a smaller one would not help. "
+             "Change what this names, be it the first state of a body, its "
+             "law, the walls or the shape functions, and run the scene again.");
   }
 
   template class RunOutput<2>;

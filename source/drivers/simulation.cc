@@ -247,10 +247,16 @@ namespace selkie
           }
       }
     else
-      {
-        stepper->start(time.now(), time.step());
-        output.start(particles, *stepper);
-      }
+      try
+        {
+          stepper->start(time.now(), time.step());
+          output.start(particles, *stepper);
+        }
+      catch (const NumericalFailure &failure)
+        {
+          output.fail_at_start(particles, *stepper, time, failure.what());
+          return 2;
+        }
     while (!time.at_end())
       {
         StepReport<dim> report;

@@ -1,3 +1,4 @@
+#include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/drivers/energy_jump.h>
 #include <selkie/drivers/residual_report.h>
@@ -68,6 +69,15 @@ namespace selkie
            scene.fluid_pressure->gauss_full_cells;
   }
 
+  /// Points without shape functions, or of a pressure that their law never
+  /// reaches, may be on one rank only.
+  template <int dim>
+  void
+  Stepper<dim>::together(const std::function<void()> &action) const
+  {
+    fail_together<NumericalFailure>(particles.communicator(), action);
+  }
+
   /// The only place where the approximations differ.
   template <int dim>
   void
@@ -80,7 +90,8 @@ namespace selkie
     if (scene.approximation == Approximation::lme_mpm)
       {
         occupancy = find_occupancy(particles, cloud, has_full_cells());
-        fill_material_points(particles, cloud, occupancy, table);
+        together(
+          [&] { fill_material_points(particles, cloud, occupancy, table); });
         unknowns.reinit(occupancy, table);
         return;
       }
@@ -130,7 +141,8 @@ namespace selkie
         TimerTree::Scope scope(timers, "supports");
         Vector           pressure(cloud.partitioner());
         store_pressure(unknowns, fields, pressure);
-        add_gauss_points(cloud, pressure, gauss_supports, table);
+        together(
+          [&] { add_gauss_points(cloud, pressure, gauss_supports, table); });
       }
     if (scene.approximation == Approximation::lme_mpm && scene.wall_points)
       {
@@ -139,7 +151,7 @@ namespace selkie
         for (unsigned int w = 0; w < 2 * dim; ++w)
           walls[w] =
             walls[w] && scene.domain.walls[w].condition == NodeCondition::slip;
-        add_wall_points(cloud, walls, table);
+        together([&] { add_wall_points(cloud, walls, table); });
       }
     if (scene.corrects_volume())
       volume = correct_volume(

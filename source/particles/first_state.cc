@@ -1,3 +1,4 @@
+#include <selkie/laws/volumetric_law.h>
 #include <selkie/particles/first_state.h>
 
 #include <algorithm>
@@ -78,6 +79,9 @@ namespace selkie
       columns.F.set(properties, dealii::unit_symmetric_tensor<dim>());
     if (columns.J.exists())
       columns.J.set(properties, 1.);
+    if (const auto *law = dynamic_cast<const VolumetricLaw *>(body.law.get());
+        law != nullptr && columns.pressure.exists())
+      columns.pressure.set(properties, law->pressure(1.));
     if (columns.mean_J.exists())
       columns.mean_J.set(properties, 1.);
   }

@@ -2,6 +2,7 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/particles/first_state.h>
 #include <selkie/particles/particle_set.h>
+#include <selkie/scene/check_scene.h>
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/utilities.h>
@@ -129,11 +130,12 @@ namespace selkie
   void
   ParticleSet<dim>::displace_at_start()
   {
-    bool                                any = false;
     std::vector<dealii::Tensor<1, dim>> displacements;
-    for (const auto &body : scene.bodies)
-      any = any || body.initial_displacement;
-    if (!any)
+    const auto                          displaced =
+      std::find_if(scene.bodies.begin(),
+                   scene.bodies.end(),
+                   [](const auto &body) { return body.initial_displacement; });
+    if (displaced == scene.bodies.end())
       return;
     for (const auto &point : points)
       {
@@ -144,7 +146,18 @@ namespace selkie
         displacements.push_back(function ? function->value(X, 0., X)
                                          : dealii::Tensor<1, dim>());
       }
-    move(displacements);
+    try
+      {
+        move(displacements);
+      }
+    catch (const NumericalFailure &failure) // on all ranks
+      {
+        fail(scene,
+             "Bodies/" + displaced->name + "/Initial displacement",
+             std::string(failure.what()) +
+               " Allowed are finite displacements that keep the points in the "
+               "domain");
+      }
   }
 
 

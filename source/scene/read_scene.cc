@@ -203,6 +203,13 @@ namespace selkie
               throw SceneError(reader.file + ": Bodies/" + body.name +
                                "/Law parameters: " + error.what());
             }
+          catch (const dealii::ExceptionBase &) // of get_double()
+            {
+              throw SceneError(reader.file + ": Bodies/" + body.name +
+                               "/Law parameters: a number is too small for "
+                               "double precision; allowed are 0 and numbers "
+                               "beyond 2.3e-308");
+            }
           for (unsigned int level = 0; level < 3; ++level)
             prm.leave_subsection();
           body.phase = (body.law->phase() == Phase::fluid ? 0 : ++solids);

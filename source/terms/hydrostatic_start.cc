@@ -1,3 +1,5 @@
+#include <selkie/base/collective_error.h>
+#include <selkie/base/exceptions.h>
 #include <selkie/laws/fluid_law.h>
 #include <selkie/particles/particle_set.h>
 #include <selkie/scene/check_scene.h>
@@ -76,25 +78,47 @@ namespace selkie
       {
         const auto &scene   = particles.scene;
         const auto &columns = particles.columns;
-        for (auto &particle : particles.handler())
-          {
-            const auto  properties = particle.get_properties();
-            const auto  b = static_cast<unsigned int>(columns.body(properties));
-            const auto *law =
-              dynamic_cast<const FluidLaw *>(scene.bodies[b].law.get());
-            if (law == nullptr || !starts(b))
-              continue;
-            const double p =
-              law->density() *
-              (*scene.gravity * Tensor<1, dim>(particle.get_location()) -
-               top_level(scene.bodies[b].shape->bounding_box(),
-                         *scene.gravity));
-            columns.pressure.set(properties, p);
-            columns.J.set(properties, law->J_of_pressure(p));
-          }
+        fail_together<SceneError>(particles.communicator(), [&] {
+          for (auto &particle : particles.handler())
+            {
+              const auto properties = particle.get_properties();
+              const auto b =
+                static_cast<unsigned int>(columns.body(properties));
+              const Body<dim> &body = scene.bodies[b];
+              const auto *law = dynamic_cast<const FluidLaw *>(body.law.get());
+              if (law == nullptr || !starts(b))
+                continue;
+              const double p =
+                law->density() *
+                (*scene.gravity * Tensor<1, dim>(particle.get_location()) -
+                 top_level(body.shape->bounding_box(), *scene.gravity));
+              columns.pressure.set(properties, p);
+              columns.J.set(properties, volume_ratio(scene, body, *law, p));
+            }
+        });
       }
 
     private:
+      /// At the pressure p (Pa).
+      static double
+      volume_ratio(const Scene<dim> &scene,
+                   const Body<dim>  &body,
+                   const FluidLaw   &law,
+                   const double      p)
+      {
+        try
+          {
+            return law.J_of_pressure(p);
+          }
+        catch (const NumericalFailure &failure)
+          {
+            fail(scene,
+                 "Bodies/" + body.name + "/Law parameters/Reference pressure",
+                 "'hydrostatic start' starts from 0 Pa at the surface; " +
+                   std::string(failure.what()));
+          }
+      }
+
       bool
       starts(const unsigned int body) const
       {

@@ -195,6 +195,21 @@ TEST(Stepper, AFailedStepLeavesNoTrace)
                                               "did not converge");
 }
 
+TEST(Stepper, AnInvertedPointLeavesNoTrace)
+{
+  Scenario run(small_scenes::fluid_on_solid(),
+               {"Bodies/water/Initial velocity=0; -1e3*y"});
+  expect_failure_without_trace<InvertedPoint>(run, 0., 1., "inside out");
+}
+
+TEST(Stepper, ALoadThatIsNoNumberLeavesNoTrace)
+{
+  Scenario run(small_scenes::free_block(),
+               {"Effects=inertia, body force",
+                "Body force/Acceleration=sqrt(1e-3-t); 0"});
+  expect_failure_without_trace<NumericalFailure>(run, 0., 2e-3, "not finite");
+}
+
 namespace
 {
   constexpr double long_step = 0.08; // s

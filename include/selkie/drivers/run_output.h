@@ -85,6 +85,14 @@ namespace selkie
          const TimeControl                                 &time,
          const std::string                                 &why);
 
+    /// The same before the first step. There is no checkpoint: the only good
+    /// state is the scene.
+    void
+    fail_at_start(const ParticleSet<dim> &particles,
+                  const Stepper<dim>     &stepper,
+                  const TimeControl      &time,
+                  const std::string      &why);
+
   private:
     void
     open(const ParticleSet<dim> &particles, const Stepper<dim> &stepper);

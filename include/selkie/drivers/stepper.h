@@ -137,6 +137,8 @@ namespace selkie
     void
     build_supports(const double t, const double dt);
     void
+    together(const std::function<void()> &action) const;
+    void
     fill_supports();
     bool
     has_full_cells() const;

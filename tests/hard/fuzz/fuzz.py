@@ -8,7 +8,8 @@ Scene i has the seed S + i, which alone decides what it is (random_scene.py);
 
     0   done: end time reached, points and mass accounted for, all figures finite
     1   refused: one line that names the file and the parameter, nothing written
-    2   failed: the reason on the screen and in summary.json, a checkpoint
+    2   failed: the reason on the screen and in summary.json, a checkpoint unless
+        it was at the start
 
 Prints a tally and, for each violation, the command that repeats it; exit code 1 if
 there is one. --keep keeps the folders of all scenes; --shrink takes away from a
@@ -74,6 +75,14 @@ def table(path):
     return {name.split(" (")[0]: [float(row[i]) for row in rows] for i, name in enumerate(head)}
 
 
+def gone(out):
+    """Whether points were removed."""
+    try:
+        return json.loads((out / "summary.json").read_text())["material points"]["removed"] > 0
+    except (OSError, ValueError):
+        return False
+
+
 def figures(out):
     """What is wrong with statistics.csv and probes/*.csv. Not a number, there, are the
     height of nobody, the volume ratio of no point and the force on a wall before the
@@ -86,6 +95,9 @@ def figures(out):
             continue
         for name, values in columns.items():
             known = values[1:] if name.startswith(("force", "moment")) else [] if name.startswith("height") else values
+            if file.parent.name == "probes" and gone(out):  # nowhere is a mean of points that were removed
+                while known and math.isnan(known[-1]):
+                    known = known[:-1]
             if name in ("min J", "max J"):
                 known = [value for value, points in zip(values, columns["points"]) if points]
             if not all(map(math.isfinite, known)):
@@ -97,8 +109,11 @@ def figures(out):
         return
     points = summary["material points"]
     removed = statistics.get("points removed", [0] * len(statistics["points"]))
-    if any(n + r != points["seeded"] for n, r in zip(statistics["points"], removed)):
-        yield f"points: {statistics['points']} and removed {removed} of {points['seeded']}"
+    # An adaptive mesh splits points and merges them.
+    gained = [s - m for s, m in zip(statistics.get("points split", [0] * len(removed)),
+                                    statistics.get("points merged", [0] * len(removed)))]
+    if any(n + r - g != points["seeded"] for n, r, g in zip(statistics["points"], removed, gained)):
+        yield f"points: {statistics['points']}, removed {removed} and gained {gained} of {points['seeded']}"
     for mass, r in zip(statistics.get("mass", []), removed):
         lost = points["removed mass"] if r == removed[-1] else 0 if r == 0 else points["seeded mass"] - mass
         if not abs(mass + lost - points["seeded mass"]) <= 1e-10 * points["seeded mass"]:
@@ -127,14 +142,16 @@ def refused(folder, out, lines):
 
 
 def failed(folder, out, lines):
-    if not any((folder / "out" / "checkpoint").glob("*/*")):
-        yield f"no checkpoint: {' | '.join(lines)[:300]}"
     if not (folder / "out" / "summary.json").exists():
         yield f"no summary: {' | '.join(lines)[:300]}"
         return
     failure = json.loads((folder / "out" / "summary.json").read_text())["failure"]
     if not failure or "".join(failure.split()) not in "".join((out + "".join(lines)).split()):
         yield f"message: the screen does not say '{failure}'"
+    if "Failed    at the start:" in (folder / "out" / "log.txt").read_text():
+        return
+    if not any((folder / "out" / "checkpoint").glob("*/*")):
+        yield f"no checkpoint: {' | '.join(lines)[:300]}"
     if (folder / "out" / "statistics.csv").stat().st_size > 0:  # of a step, at least
         yield from figures(folder / "out")
 

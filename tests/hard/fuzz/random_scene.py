@@ -133,6 +133,7 @@ class Maker:
         self.solid_cures()
         self.probes()
         self.numerics()
+        self.adaptivity()
         if "prescribed motion" not in self.effects and self.moves:
             self.effects.append("prescribed motion")
         r.shuffle(self.effects)
@@ -460,6 +461,24 @@ class Maker:
             self.set("Output/Audit", "none")
         if self.maybe(0.15):
             self.set("Time/Largest energy jump", self.log(1e-3, 1))
+
+    def adaptivity(self):
+        if self.approximation != "lme mpm" or self.maybe(0.8):
+            return
+        r, path = self.random, "Adaptivity/"
+        self.effects.append("adaptivity")
+        self.set(path + "Steps", self.among(1, 2, 10))
+        self.set(path + "Finer levels", self.among(0, 1, 1, 2) if self.dim == 2 else 1)
+        if all(n % 2 == 0 for n in self.cells) and self.maybe(0.4):
+            self.set(path + "Coarser levels", 1)
+        self.set(path + "Most cells", 3000)
+        if self.maybe(0.3):
+            self.set(path + "Points", self.among("split", "keep"))
+        criteria = {"Surface": "true", "Interface": "true", "Bodies": r.choice(list(self.boxes)), "Strain": self.log(1e-4, 1),
+                    "Strain variation": self.log(1e-2, 1), "Velocity difference": self.log(1e-2, 1),
+                    "Pressure difference": self.log(1e-2, 1), "Velocity error": self.log(1e-3, 1)}
+        for name in r.sample(list(criteria), r.randint(1, 3)):
+            self.set(path + name, criteria[name])
 
     # Contradictory or out of range.
 
