@@ -149,11 +149,11 @@ TRANSFER = Known(
     "`Scheme = tpic` for turning bodies; finer cells; a projection of higher order is not planned yet.")
 CORRECTION = Known(
     "The volume correction takes the disorder of the points for crowding and moves volume from cell "
-    "to cell at a rate s of its own. We think (not isolated by a run) that points and nodes lose such a short divergence when they exchange "
-    "velocities, so that every step makes it anew, at a pressure rho h^2 s / dt: the shorter the step, "
+    "to cell at a rate s of its own. We think (not isolated by a run) that points and nodes lose such "
+    "a short divergence when they exchange velocities, so that every step makes it anew, at a pressure rho h^2 s / dt: the shorter the step, "
     "the higher, until the points have spread (0.5 s). A gentle start of the correction does not help "
     "(0.07 rho g H after ten periods at 5e-4 s, 0.29 at 1e-4 s). Limiting that pressure to 2 % of the "
-    "one that is there does (0.034), but a violent dam break then loses 6.2 % of its volume (commit "
+    "one that is there helps (0.034, still too much), but a violent dam break then loses 6.2 % of its volume (commit "
     "e957954).",
     "Delta-plus-SPH and particle shifting (Lind et al. 2012, Sun et al. 2017) move points instead "
     "of pressing.",
