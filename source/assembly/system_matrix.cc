@@ -4,6 +4,7 @@
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/types.h>
 
 #include <boost/serialization/vector.hpp>
 
@@ -112,28 +113,30 @@ namespace selkie
     }
 
     /// From global numbers to those of the columns, ascending; each entry keeps
-    /// its position. A run that leaves what the rank owns becomes two.
+    /// its position. A run that leaves what the rank owns falls into parts.
     void
     localise(std::vector<ColumnRun>          &runs,
              const SystemMatrix::Partitioner &columns)
     {
-      std::vector<ColumnRun> local;
+      constexpr auto last             = numbers::invalid_dof_index;
       const auto [own_begin, own_end] = columns.local_range();
+      std::vector<ColumnRun> local;
       for (const ColumnRun &run : runs)
-        for (types::global_dof_index begin = run.begin, end; begin < run.end;
-             begin                         = end)
-          {
-                                    end = begin < own_begin ? std::min(run.end, own_begin)
-                                          : begin < own_end ? std::min(run.end, own_end)
-                                                            : run.end;
-                                    const types::global_dof_index first =
-                                      columns.global_to_local(begin);
-                                    local.push_back(
-              {first,
-                                       first + (end - begin),
-                                       run.pressures,
-                                       static_cast<unsigned int>(run.position + begin - run.begin)});
-          }
+        {
+          types::global_dof_index begin = run.begin;
+          for (const auto limit : {own_begin, own_end, last})
+            {
+              const auto end = std::min(run.end, limit);
+              if (begin >= end)
+                continue;
+              ColumnRun part = run;
+              part.begin     = columns.global_to_local(begin);
+              part.end       = part.begin + (end - begin);
+              part.position += begin - run.begin;
+              local.push_back(part);
+              begin = end;
+            }
+        }
       std::sort(local.begin(), local.end(), begins_before);
       runs = std::move(local);
     }
@@ -320,7 +323,7 @@ namespace selkie
   SystemMatrix::compress()
   {
     const MPI_Comm           comm = rows->get_mpi_communicator();
-    constexpr int            tag  = 4217;
+    constexpr int            tag  = 4217; // of no other messages here
     std::vector<MPI_Request> requests;
     for (Incoming &message : incoming)
       MPI_Irecv(message.buffer.data(),

@@ -1,11 +1,13 @@
 #!/bin/bash
-# Runs a scene that cannot be solved as asked: exit code 2, the message in the
-# log, a checkpoint that is marked good, and the verdict in summary.json.
+# Runs a scene that cannot be solved as asked: exit code 2, the message on the
+# screen and in the log, and the verdict in summary.json. If it fails in a step,
+# it was tried again, and leaves a checkpoint that is marked good; if at the
+# start, it says so, and there is nothing to go on from.
 #
-# run_numerical_failure.sh FOLDER PHRASE PROGRAM [ARGUMENT...]
+# run_numerical_failure.sh step|start FOLDER PHRASE PROGRAM [ARGUMENT...]
 set -u
-folder=$1 phrase=$2
-shift 2
+when=$1 folder=$2 phrase=$3
+shift 3
 rm -rf "$folder"
 text=$("$@" --output "$folder" 2>&1)
 code=$?
@@ -15,8 +17,19 @@ fail() {
   echo "$text"
   exit 1
 }
+says() {
+  grep -q "$2" "$folder/$1" || fail "$1 does not say: $2"
+}
 [ "$code" = 2 ] || fail "exit code $code, expected 2"
-grep -q "$phrase" "$folder/log.txt" || fail "log.txt does not say: $phrase"
-grep -q "trying again with a time step" "$folder/log.txt" || fail "no retry"
-grep -q "$phrase" "$folder/summary.json" || fail "summary.json does not say: $phrase"
-[ -n "$(find "$folder/checkpoint" -mindepth 2 -type f)" ] || fail "no checkpoint"
+echo "$text" | grep -q "$phrase" || fail "the screen does not say: $phrase"
+says log.txt "$phrase"
+says summary.json "$phrase"
+says summary.json '"verdict": "failure"'
+if [ "$when" = start ]; then
+  says log.txt "No step was tried"
+  says summary.json '"steps": 0'
+  [ ! -e "$folder/checkpoint" ] || fail "a checkpoint of nothing"
+else
+  says log.txt "trying again with a time step"
+  [ -n "$(find "$folder/checkpoint" -mindepth 2 -type f)" ] || fail "no checkpoint"
+fi
