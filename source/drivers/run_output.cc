@@ -499,12 +499,22 @@ namespace selkie
 
   template <int dim>
   void
-  RunOutput<dim>::fail_at_start(const ParticleSet<dim> &particles,
-                                const Stepper<dim>     &stepper,
-                                const TimeControl      &time,
-                                const std::string      &why)
+  RunOutput<dim>::fail_between_steps(const ParticleSet<dim> &particles,
+                                     const Stepper<dim>     &stepper,
+                                     const TimeControl      &time,
+                                     const std::string      &why)
   {
     close(particles, stepper, time, why);
+    if (time.number() > 0)
+      {
+        log.line(
+          format("Failed    at t = %g s, adapting the mesh:", time.now()));
+        log.line("          " + why);
+        log.line("          The last good state is that of the last "
+                 "checkpoint. Adapt more often, with a wider buffer or fewer "
+                 "levels.");
+        return;
+      }
     log.line("Failed    at the start:");
     log.line("          " + why);
     log.line("          No step was tried, and a smaller one would not help. "

@@ -185,7 +185,7 @@ namespace selkie
     }
 
     /// One step, tried again with smaller ones until it succeeds. Throws
-    /// NumericalFailure when the smallest step fails, too.
+    /// NumericalFailure when the smallest step fails, too, or none can help.
     template <int dim>
     StepReport<dim>
     step_with_retries(Stepper<dim> &stepper, TimeControl &time, Log &log)
@@ -194,6 +194,10 @@ namespace selkie
         try
           {
             return stepper.step(time.now(), time.step());
+          }
+        catch (const CertainFailure &)
+          {
+            throw;
           }
         catch (const NumericalFailure &failure)
           {
@@ -254,7 +258,7 @@ namespace selkie
         }
       catch (const NumericalFailure &failure)
         {
-          output.fail_at_start(particles, *stepper, time, failure.what());
+          output.fail_between_steps(particles, *stepper, time, failure.what());
           return 2;
         }
     while (!time.at_end())
@@ -274,7 +278,19 @@ namespace selkie
         time.advance(report.largest_speed, report.time_error);
         output.record(particles, *stepper, time, dt, report);
         if (adapts_now(scene, *stepper, report.largest_speed, time))
-          output.record(adapt(*setup, stepper, time.now(), dt, timers, log));
+          try
+            {
+              output.record(
+                adapt(*setup, stepper, time.now(), dt, timers, log));
+            }
+          catch (const NumericalFailure &failure)
+            {
+              output.fail_between_steps(particles,
+                                        *stepper,
+                                        time,
+                                        failure.what());
+              return 2;
+            }
         output.keep(particles, *stepper, *setup->mesh, time);
       }
     output.finish(particles, *stepper, time);

@@ -65,6 +65,7 @@ namespace selkie
     double                          leaving_mass = 0.;
     std::string                     not_finite; ///< names such a point
     std::string                     first;      ///< names a leaving point
+    bool at_open_wall = false; ///< one leaves that already stands there
   };
 
 
@@ -270,7 +271,16 @@ namespace selkie
           {
             if (!std::isfinite(x[d]) && motion.not_finite.empty())
               motion.not_finite = describe(point, x);
-            leaves |= x[d] < locator.lower()[d] || x[d] > locator.upper()[d];
+            const bool below = x[d] < locator.lower()[d];
+            const bool above = x[d] > locator.upper()[d];
+            leaves |= below || above;
+            if (below || above)
+              motion.at_open_wall |=
+                scene.domain.walls[2 * d + above].condition ==
+                  NodeCondition::free &&
+                std::abs(point->get_location()[d] -
+                         (above ? locator.upper() : locator.lower())[d]) <
+                  100. * margin;
             inside[d] = std::clamp(x[d],
                                    locator.lower()[d] + margin,
                                    locator.upper()[d] - margin);
@@ -316,12 +326,18 @@ namespace selkie
       motion.not_finite.empty()
         ? ""
         : "A displacement is not finite: the " + motion.not_finite + ".");
-    if (scene.leaving == LeavingPolicy::stop)
-      throw_on_all_ranks<NumericalFailure>(
-        communicator(),
-        motion.first.empty()
-          ? ""
-          : "A point leaves the domain: the " + motion.first + ".");
+    if (scene.leaving != LeavingPolicy::stop)
+      return;
+    const std::string failure =
+      motion.first.empty()
+        ? ""
+        : "A point leaves the domain: the " + motion.first + ".";
+    throw_on_all_ranks<CertainFailure>(
+      communicator(),
+      motion.at_open_wall
+        ? failure + " The wall is free, and it stands there already."
+        : "");
+    throw_on_all_ranks<NumericalFailure>(communicator(), failure);
   }
 
 

@@ -54,6 +54,20 @@ namespace selkie
                         "Share of FLIP in `flip`; the rest is PIC, which damps "
                         "noise. Units: none.",
                         Double(0., 1.));
+      prm.add_parameter("FLIP interval",
+                        transfer.flip_interval,
+                        "Time in which FLIP fraction is mixed in: shorter "
+                        "steps take less of PIC each. 0: every step takes all "
+                        "of it, however short. Units: s.",
+                        Double(0.));
+      prm.add_parameter("Projection order",
+                        transfer.order,
+                        "Of the velocities that go from points to nodes. 1: "
+                        "means of the points, which smooth motion over h / "
+                        "sqrt(2 gamma). Each order more adds what the nodes "
+                        "still miss of it, at the cost of a pass over the "
+                        "points. Units: none.",
+                        Integer(1, 10));
       prm.leave_subsection();
     }
 

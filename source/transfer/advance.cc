@@ -149,11 +149,11 @@ namespace selkie
                 const PointEnd<dim>        &at,
                 const bool                  fluid,
                 const bool                  alone,
+                const double                flip,
                 const Scene<dim>           &scene,
                 const ArrayView<double>    &mine)
     {
-      const Tensor<2, dim> f    = unit_symmetric_tensor<dim>() + at.grad_du;
-      const double         flip = scene.transfer.flip_fraction;
+      const Tensor<2, dim> f = unit_symmetric_tensor<dim>() + at.grad_du;
       if (columns.lambda.exists())
         columns.lambda.set(mine, point.lambda);
       if (columns.v.exists())
@@ -211,6 +211,7 @@ namespace selkie
                                 const StepFields        &fields)
     : particles(particles)
     , table(table)
+    , flip(particles.scene.transfer.flip_share(newmark.dt))
     , values(end_values(particles.columns,
                         particles.scene.pressure_phases(),
                         table,
@@ -240,6 +241,7 @@ namespace selkie
                         at,
                         patch.fluid,
                         patch.fluid && patch.n_points < lone_points,
+                        flip,
                         particles.scene,
                         properties[point.particle]);
             // In full cells the Gauss points hold the energy.

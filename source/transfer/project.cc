@@ -20,32 +20,104 @@ namespace selkie
       return properties;
     }
 
-    /// Calls add(point, its properties, N_a, node a) for every material point
-    /// and node of the patches that `selects` chooses.
-    template <int dim, typename Select, typename Add>
+    /// Calls see(patch, q, its properties) for every material point of the
+    /// patches that `selects` chooses.
+    template <int dim, typename Select, typename See>
     void
-    for_each_pair(const SupportTable<dim> &table,
-                  const ParticleSet<dim>  &particles,
-                  const Select            &selects,
-                  const Add               &add)
+    for_each_point(const SupportTable<dim> &table,
+                   const ParticleSet<dim>  &particles,
+                   const Select            &selects,
+                   const See               &see)
     {
       const auto properties = properties_of(particles);
       for (const auto &patch : table.patches)
         if (patch.matter && selects(patch))
           for (unsigned int q = 0; q < patch.n_points; ++q)
-            {
-              const auto   &point = table.points[patch.first_point + q];
-              const double *N     = table.N(patch, q);
-              for (unsigned int k = 0; k < patch.n_nodes; ++k)
-                add(point,
-                    properties[point.particle],
-                    N[k],
-                    table.nodes[patch.first_node + k]);
-            }
+            see(patch,
+                q,
+                properties[table.points[patch.first_point + q].particle]);
     }
 
-    /// Mass and momentum of the points, and m a; with TPIC the velocity at the
-    /// node is v + grad v (x_a - x).
+    constexpr auto all_patches = [](const auto &) { return true; };
+
+    /// What a point gives to the nodes; the gradient with TPIC only.
+    template <int dim>
+    struct Motion
+    {
+      Tensor<1, dim> v, a;
+      Tensor<2, dim> grad_v;
+    };
+
+    template <bool tpic, int dim>
+    Motion<dim>
+    motion_of(const ParticleColumns<dim>    &columns,
+              const ArrayView<const double> &mine)
+    {
+      Motion<dim> motion;
+      motion.v = columns.v(mine);
+      motion.a = columns.a(mine);
+      if constexpr (tpic)
+        motion.grad_v = columns.grad_v(mine);
+      return motion;
+    }
+
+    /// Takes away what the nodes give to the point.
+    template <bool tpic, int dim>
+    void
+    subtract_nodes(const SupportTable<dim> &table,
+                   const Patch<dim>        &patch,
+                   const unsigned int       q,
+                   const System<dim>       &system,
+                   const StepFields        &fields,
+                   Motion<dim>             &motion)
+    {
+      const double *N = table.N(patch, q);
+      for (unsigned int k = 0; k < patch.n_nodes; ++k)
+        {
+          const unsigned int u =
+            system.displacement(table.nodes[patch.first_node + k]);
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const double v_a = fields.v_n.local_element(u + d);
+              motion.v[d] -= N[k] * v_a;
+              motion.a[d] -= N[k] * fields.a_n.local_element(u + d);
+              if constexpr (tpic)
+                for (unsigned int e = 0; e < dim; ++e)
+                  motion.grad_v[d][e] -= N[(e + 1) * patch.n_padded + k] * v_a;
+            }
+        }
+    }
+
+    /// Adds m N_a (v + grad v (x_a - x)) and m N_a a to the sums of the nodes.
+    template <bool tpic, int dim>
+    void
+    add_to_nodes(const SupportTable<dim> &table,
+                 const Patch<dim>        &patch,
+                 const unsigned int       q,
+                 const System<dim>       &system,
+                 const Motion<dim>       &motion,
+                 Vector                  &v_sum,
+                 Vector                  &a_sum)
+    {
+      const auto   &point = table.points[patch.first_point + q];
+      const double *N     = table.N(patch, q);
+      for (unsigned int k = 0; k < patch.n_nodes; ++k)
+        {
+          const unsigned int node = table.nodes[patch.first_node + k];
+          const unsigned int u    = system.displacement(node);
+          const double       mN   = point.mass * N[k];
+          Tensor<1, dim>     v    = motion.v;
+          if constexpr (tpic)
+            v += motion.grad_v * (system.cloud.position(node) - point.x);
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              v_sum.local_element(u + d) += mN * v[d];
+              a_sum.local_element(u + d) += mN * motion.a[d];
+            }
+        }
+    }
+
+    /// Sums of mass and momentum of the points, and of m a.
     template <bool tpic, int dim>
     void
     add_motion(const ParticleSet<dim>  &particles,
@@ -53,28 +125,63 @@ namespace selkie
                const System<dim>       &system,
                StepFields              &fields)
     {
-      const auto &columns = particles.columns;
-      for_each_pair(
+      for_each_point(
         table,
         particles,
-        [](const Patch<dim> &) { return true; },
-        [&](const StepPoint<dim>          &point,
-            const ArrayView<const double> &mine,
-            const double                   N,
-            const unsigned int             node) {
-          const unsigned int   u  = system.displacement(node);
-          const double         mN = point.mass * N;
-          const Tensor<1, dim> a  = columns.a(mine);
-          Tensor<1, dim>       v  = columns.v(mine);
-          if constexpr (tpic)
-            v += columns.grad_v(mine) * (system.cloud.position(node) - point.x);
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              fields.mass.local_element(u + d) += mN;
-              fields.v_n.local_element(u + d) += mN * v[d];
-              fields.a_n.local_element(u + d) += mN * a[d];
-            }
+        all_patches,
+        [&](const Patch<dim>              &patch,
+            const unsigned int             q,
+            const ArrayView<const double> &mine) {
+          add_to_nodes<tpic>(table,
+                             patch,
+                             q,
+                             system,
+                             motion_of<tpic>(particles.columns, mine),
+                             fields.v_n,
+                             fields.a_n);
+          const double m = table.points[patch.first_point + q].mass;
+          for (unsigned int k = 0; k < patch.n_nodes; ++k)
+            for (unsigned int d = 0; d < dim; ++d)
+              fields.mass.local_element(
+                system.displacement(table.nodes[patch.first_node + k]) + d) +=
+                m * table.N(patch, q)[k];
         });
+    }
+
+    /// What the points have and the nodes do not give them, projected and added
+    /// to the nodes' velocity and acceleration. Collective.
+    template <bool tpic, int dim>
+    void
+    add_missed_motion(const ParticleSet<dim>  &particles,
+                      const SupportTable<dim> &table,
+                      const System<dim>       &system,
+                      StepFields              &fields)
+    {
+      Vector v_missed, a_missed;
+      for (auto *vector : {&v_missed, &a_missed})
+        system.initialize(*vector);
+      for (const auto *vector : {&fields.v_n, &fields.a_n})
+        vector->update_ghost_values();
+      for_each_point(table,
+                     particles,
+                     all_patches,
+                     [&](const Patch<dim>              &patch,
+                         const unsigned int             q,
+                         const ArrayView<const double> &mine) {
+                       auto missed = motion_of<tpic>(particles.columns, mine);
+                       subtract_nodes<tpic>(
+                         table, patch, q, system, fields, missed);
+                       add_to_nodes<tpic>(
+                         table, patch, q, system, missed, v_missed, a_missed);
+                     });
+      for (auto *vector : {&v_missed, &a_missed})
+        vector->compress(VectorOperation::add);
+      for (unsigned int i = 0; i < fields.mass.locally_owned_size(); ++i)
+        {
+          const double weight = fields.mass.local_element(i);
+          fields.v_n.local_element(i) += v_missed.local_element(i) / weight;
+          fields.a_n.local_element(i) += a_missed.local_element(i) / weight;
+        }
     }
 
     /// Volume and V p of the points with a pressure, at the pressure unknowns
@@ -86,21 +193,25 @@ namespace selkie
                   const System<dim>       &system,
                   StepFields              &fields)
     {
-      const auto &columns = particles.columns;
-      for_each_pair(
+      for_each_point(
         table,
         particles,
         [phases = particles.scene.pressure_phases()](const Patch<dim> &patch) {
           return ((phases >> patch.phase) & 1u) != 0;
         },
-        [&](const StepPoint<dim>          &point,
-            const ArrayView<const double> &mine,
-            const double                   N,
-            const unsigned int             node) {
-          const unsigned int p  = system.pressure(node);
-          const double       VN = point.volume * N;
-          fields.mass.local_element(p) += VN;
-          fields.x.local_element(p) += VN * columns.pressure(mine);
+        [&](const Patch<dim>              &patch,
+            const unsigned int             q,
+            const ArrayView<const double> &mine) {
+          const double volume = table.points[patch.first_point + q].volume;
+          const double p_q    = particles.columns.pressure(mine);
+          for (unsigned int k = 0; k < patch.n_nodes; ++k)
+            {
+              const unsigned int p =
+                system.pressure(table.nodes[patch.first_node + k]);
+              const double VN = volume * table.N(patch, q)[k];
+              fields.mass.local_element(p) += VN;
+              fields.x.local_element(p) += VN * p_q;
+            }
         });
     }
 
@@ -195,9 +306,18 @@ namespace selkie
         if (nodes != nullptr)
           nodes->recall(system, fields);
       }
+    prescribe(system, t_n, dt, moves, fields);
+    if (moves && nodes == nullptr)
+      for (unsigned int k = 1; k < particles.scene.transfer.order; ++k)
+        {
+          if (particles.columns.grad_v.exists())
+            add_missed_motion<true>(particles, table, system, fields);
+          else
+            add_missed_motion<false>(particles, table, system, fields);
+          prescribe(system, t_n, dt, moves, fields);
+        }
     if (particles.scene.has_pressure())
       recall_pressures(system, stored_pressure, fields);
-    prescribe(system, t_n, dt, moves, fields);
     fields.x.update_ghost_values();
     if (moves)
       for (auto *vector : {&fields.mass, &fields.v_n, &fields.a_n})

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <iomanip>
+#include <map>
 #include <sstream>
 
 #include "../small_scenes.h"
@@ -302,4 +303,77 @@ TEST(Stepper, FewerPointsThanNodesStartWithTheLumpedMass)
   for (const auto &point : run.particles.handler())
     EXPECT_LT(run.particles.columns.a(point.get_properties()).norm(), 100.);
   EXPECT_NO_THROW(run.stepper->step(0., 2e-3));
+}
+
+namespace
+{
+  struct Transferred
+  {
+    double error;    ///< of the points' velocity, rms over the largest
+    double momentum; ///< change, relative
+  };
+
+  /// Sends a bent velocity field to the nodes and back (PIC) in a step so short
+  /// that nothing else happens.
+  Transferred
+  there_and_back(const std::vector<std::string> &overrides)
+  {
+    std::vector<std::string> settings = {
+      "Bodies/block/Initial velocity=0.1*cos(pi*(x-0.3)/0.4); 0.05",
+      "Transfer/FLIP fraction=0"};
+    settings.insert(settings.end(), overrides.begin(), overrides.end());
+    Scenario    run(small_scenes::free_block(), settings);
+    const auto &columns = run.particles.columns;
+
+    std::map<unsigned int, dealii::Tensor<1, 2>> before;
+    double                                       momentum = 0.;
+    for (const auto &point : run.particles.handler())
+      {
+        const auto v = before[point.get_id()] =
+          columns.v(point.get_properties());
+        momentum += columns.mass(point.get_properties()) * v[1];
+      }
+    run.stepper->step(0., 1e-12);
+    double error = 0., after = 0.;
+    for (const auto &point : run.particles.handler())
+      {
+        const auto v = columns.v(point.get_properties());
+        error += (v - before.at(point.get_id())).norm_square();
+        after += columns.mass(point.get_properties()) * v[1];
+      }
+    return {std::sqrt(error / before.size()) / 0.1, after / momentum - 1.};
+  }
+} // namespace
+
+TEST(Stepper, ProjectionsOfHigherOrderSmoothLess)
+{
+  const auto order = [](const std::string &k, const std::string &scheme) {
+    const auto result = there_and_back(
+      {"Transfer/Scheme=" + scheme, "Transfer/Projection order=" + k});
+    EXPECT_LT(std::abs(result.momentum), 1e-13);
+    return result.error;
+  };
+  const double means = order("1", "flip"), second = order("2", "flip"),
+               fourth = order("4", "flip"), eighth = order("8", "flip");
+  EXPECT_LT(second, 0.5 * means);
+  EXPECT_LT(fourth, 0.7 * second);
+  // What the functions of these nodes cannot show of a cosine is left.
+  EXPECT_LT(eighth, fourth);
+  EXPECT_LT(eighth, 0.15 * means);
+  // With its gradients a point says nearly all of it at once.
+  EXPECT_LT(order("2", "tpic"), order("1", "tpic"));
+  EXPECT_LT(order("2", "tpic"), 0.15 * means);
+}
+
+TEST(Stepper, FlipIsMixedPerTime)
+{
+  Transfer transfer;
+  transfer.flip_fraction = 0.98;
+  EXPECT_EQ(transfer.flip_share(1e-3), 0.98);
+  transfer.flip_interval = 2e-3;
+  EXPECT_DOUBLE_EQ(transfer.flip_share(2e-3), 0.98);
+  EXPECT_DOUBLE_EQ(transfer.flip_share(1e-3) * transfer.flip_share(3e-3),
+                   transfer.flip_share(4e-3));
+  transfer.flip_fraction = 0.;
+  EXPECT_EQ(transfer.flip_share(1e-5), 0.);
 }

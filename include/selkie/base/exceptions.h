@@ -38,6 +38,13 @@ namespace selkie
     using std::runtime_error::runtime_error;
   };
 
+  /// One that shorter steps do not prevent: the step is not tried again.
+  class CertainFailure : public NumericalFailure
+  {
+  public:
+    using NumericalFailure::NumericalFailure;
+  };
+
   /// A point for which the local maximum-entropy problem has no solution: it
   /// lies outside the convex hull of its nodes, or too few nodes are near.
   template <int dim>

@@ -85,13 +85,13 @@ namespace selkie
          const TimeControl                                 &time,
          const std::string                                 &why);
 
-    /// The same before the first step. There is no checkpoint: the only good
-    /// state is the scene.
+    /// The same at the start and while the mesh is adapted, when there is no
+    /// good state to keep: that is the scene, or the last checkpoint.
     void
-    fail_at_start(const ParticleSet<dim> &particles,
-                  const Stepper<dim>     &stepper,
-                  const TimeControl      &time,
-                  const std::string      &why);
+    fail_between_steps(const ParticleSet<dim> &particles,
+                       const Stepper<dim>     &stepper,
+                       const TimeControl      &time,
+                       const std::string      &why);
 
   private:
     void

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -140,6 +141,16 @@ namespace selkie
   {
     TransferScheme scheme        = TransferScheme::flip;
     double         flip_fraction = 1.; ///< rest is PIC
+    double         flip_interval = 0.; ///< in which it is mixed (s); 0: a step
+    unsigned int   order         = 1;  ///< of the projection to the nodes
+
+    /// Share of FLIP in a step of @p dt.
+    double
+    flip_share(const double dt) const
+    {
+      return flip_interval > 0. ? std::pow(flip_fraction, dt / flip_interval)
+                                : flip_fraction;
+    }
   };
 
   /// The fluid's volume rules; present exactly when the scene has a fluid

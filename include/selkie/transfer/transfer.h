@@ -21,8 +21,11 @@ namespace selkie
    * Points to nodes: lumped mass M_a = sum m N_a and the lumped recovery of
    * velocity and acceleration, v_a = sum m N_a v_p / M_a (with TPIC
    * v_p + grad v_p (x_a - x_p)). Prescribed entries take the prescribed
-   * velocity. Pressures start from the stored nodal pressure, or, where the
-   * node had none, from the points' mean.
+   * velocity. With Transfer::order k, what the nodes' v and a still miss of the
+   * points' is projected and added k - 1 times: the Neumann series of the
+   * consistent mass's inverse (FMPM(k): Nairn & Hammerquist, Comput. Methods
+   * Appl. Mech. Engrg. 381, 2021). Pressures start from the stored nodal
+   * pressure, or, where the node had none, from the points' mean.
    *
    * @param stored_pressure of the last step, cloud numbering; NaN where none.
    * @param nodes of a Lagrangian mesh, whose velocities and accelerations are
@@ -139,6 +142,7 @@ namespace selkie
     write_mean_J(const Properties &properties) const;
 
     const SupportTable<dim>            &table;
+    const double                        flip; ///< share of it in this step
     const std::vector<PointEnd<dim>>    values;
     std::vector<dealii::Tensor<1, dim>> displacements;
   };
