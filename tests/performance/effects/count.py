@@ -104,7 +104,7 @@ def messages(program, library, scene, settings, folder):
         run(["mpirun", "--oversubscribe", "--bind-to", "none", "-np", "2",
              "-x", "LD_PRELOAD=" + library, "-x", "SELKIE_MESSAGES=" + path],
             program, scene, settings, steps, folder)
-        ranks = [[float(word) for word in open(f"{path}.{rank}").read().split()]
+        ranks = [[float(word) for word in open(f"{path}.{rank}").readline().split()]
                  for rank in (0, 1)]
         totals.append([sum(column) / 2 for column in zip(*ranks)])
     return [(b - a) / (LONG - SHORT) for a, b in zip(*totals)]
