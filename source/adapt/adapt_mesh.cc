@@ -13,20 +13,6 @@ namespace selkie
 
   namespace
   {
-    /// The points of the fullest rank over the mean that is put up with.
-    constexpr double most_imbalance = 1.2;
-
-    template <int dim>
-    bool
-    unbalanced(const ParticleSet<dim> &particles)
-    {
-      const MPI_Comm comm  = particles.communicator();
-      const double   n     = particles.handler().n_locally_owned_particles();
-      const double   ranks = Utilities::MPI::n_mpi_processes(comm);
-      return Utilities::MPI::max(n, comm) >
-             most_imbalance * Utilities::MPI::sum(n, comm) / ranks;
-    }
-
     /// Splits and merges points until they fit their cells: a split halves
     /// them once, and the mesh may have become finer by several levels. Whether
     /// there was anything to do.
@@ -129,7 +115,7 @@ namespace selkie
     };
     const double before = energy();
     AdaptReport  report;
-    bool         anyway = unbalanced(particles);
+    bool         anyway = particles.imbalance() > most_imbalance;
     for (unsigned int pass = 0; pass <= wishes.finer + wishes.coarser; ++pass)
       {
         if (!adapt_once(mesh, particles, wanted, anyway, fields))

@@ -59,19 +59,12 @@ namespace selkie
                      const NodeCloud<dim>   &cloud,
                      Statistics             &statistics)
     {
-      const auto    &handler = particles.handler();
-      const MPI_Comm comm    = particles.communicator();
-      const double   fullest =
-        Utilities::MPI::max(double(handler.n_locally_owned_particles()), comm);
-      const double ranks = Utilities::MPI::n_mpi_processes(comm);
-      const double all   = handler.n_global_particles();
       statistics.set(
         "cells",
         cloud.dof_handler().get_triangulation().n_global_active_cells());
       statistics.set("points split", particles.accounting.split);
       statistics.set("points merged", particles.accounting.merged);
-      statistics.set("imbalance of points",
-                     all > 0. ? fullest * ranks / all : 1.);
+      statistics.set("imbalance of points", particles.imbalance());
     }
   } // namespace
 
@@ -460,11 +453,8 @@ namespace selkie
   }
 
   template <int dim>
-  void
-  RunOutput<dim>::keep(ParticleSet<dim>                          &particles,
-                       const Stepper<dim>                        &stepper,
-                       parallel::distributed::Triangulation<dim> &mesh,
-                       const TimeControl                         &time)
+  bool
+  RunOutput<dim>::checkpoint_is_due(const TimeControl &time)
   {
     const auto  &wishes = scene.output;
     const double waited = timers.wall_time() - last_checkpoint;
@@ -475,8 +465,7 @@ namespace selkie
       due = Utilities::MPI::broadcast(comm,
                                       waited > 60. * wishes.checkpoint_minutes);
     keeps_checkpoints = keeps_checkpoints || due || wishes.checkpoint_steps > 0;
-    if (due || (keeps_checkpoints && time.at_end()))
-      write_checkpoint(particles, stepper, mesh, time);
+    return due || (keeps_checkpoints && time.at_end());
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #include <selkie/adapt/adapt_mesh.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/base/log.h>
+#include <selkie/base/text.h>
 #include <selkie/drivers/plan.h>
 #include <selkie/drivers/run_output.h>
 #include <selkie/drivers/simulation.h>
@@ -8,6 +9,8 @@
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/output/checkpoint.h>
 #include <selkie/time/time_control.h>
+
+#include <functional>
 
 namespace selkie
 {
@@ -129,8 +132,29 @@ namespace selkie
       return next > wishes.buffer * finest_spacing(scene.domain, wishes);
     }
 
-    /// Adapts the mesh to the matter at @p t, after a step of size @p dt. Cloud
-    /// and stepper, which hang on the mesh, are made anew.
+    /// Lets @p change alter the mesh or its partition; if it says that it did,
+    /// cloud and stepper, which hang on it, are made anew and go on.
+    template <int dim>
+    void
+    change_mesh(Setup<dim>                                      &setup,
+                std::unique_ptr<Stepper<dim>>                   &stepper,
+                TimerTree                                       &timers,
+                Log                                             &log,
+                const std::function<bool(CarriedFields<dim> &)> &change)
+    {
+      CarriedFields<dim> carried;
+      carried.take(*setup.mesh,
+                   setup.cloud->dof_handler(),
+                   stepper->kept_fields());
+      if (!change(carried))
+        return;
+      const auto before = std::move(stepper);
+      setup.make_cloud();
+      stepper = make_stepper(setup, timers, log);
+      stepper->go_on_from(carried, before->kept_numbers(), before->costs());
+    }
+
+    /// Adapts the mesh to the matter at @p t, after a step of size @p dt.
     template <int dim>
     AdaptReport
     adapt(Setup<dim>                    &setup,
@@ -140,10 +164,10 @@ namespace selkie
           TimerTree                     &timers,
           Log                           &log)
     {
-      TimerTree::Scope   scope(timers, "adapt");
-      const auto         fields = stepper->nodal_fields(dt);
-      NodalView<dim>     view;
-      CarriedFields<dim> carried;
+      TimerTree::Scope  scope(timers, "adapt");
+      const Scene<dim> &scene  = setup.particles.scene;
+      const auto        fields = stepper->nodal_fields(dt);
+      NodalView<dim>    view;
       if (fields.mass.size() > 0)
         {
           view.velocity = &fields.velocity;
@@ -151,26 +175,50 @@ namespace selkie
           if (fields.pressure.size() > 0)
             view.pressure = &fields.pressure;
         }
-      carried.take(*setup.mesh,
-                   setup.cloud->dof_handler(),
-                   stepper->kept_fields());
-      if (setup.particles.scene.lagrangian_mesh())
-        carried.make_continuous();
-      const auto report =
-        adapt_mesh(*setup.mesh, setup.particles, *setup.cloud, view, carried);
-      if (report.changed)
-        {
-          const auto before = std::move(stepper);
-          setup.make_cloud();
-          stepper = make_stepper(setup, timers, log);
-          stepper->go_on_from(carried, before->kept_numbers(), before->costs());
-          // Interpolated accelerations do not balance the forces between new
-          // nodes, and Newmark's energy needs that.
-          const Scene<dim> &scene = setup.particles.scene;
-          if (scene.lagrangian_mesh() && scene.inertia)
-            stepper->start(t, dt);
-        }
+      AdaptReport report;
+      change_mesh<dim>(
+        setup, stepper, timers, log, [&](CarriedFields<dim> &carried) {
+          if (scene.lagrangian_mesh())
+            carried.make_continuous();
+          report = adapt_mesh(
+            *setup.mesh, setup.particles, *setup.cloud, view, carried);
+          return report.changed;
+        });
+      // Interpolated accelerations do not balance the forces between new
+      // nodes, and Newmark's energy needs that.
+      if (report.changed && scene.lagrangian_mesh() && scene.inertia)
+        stepper->start(t, dt);
       return report;
+    }
+
+    /// Whether it is time to share out the points anew, and they are spread
+    /// unevenly. The points of a Lagrangian mesh do not move; adapt() shares
+    /// out by itself.
+    template <int dim>
+    bool
+    is_uneven(const ParticleSet<dim> &particles, const TimeControl &time)
+    {
+      const Scene<dim>  &scene = particles.scene;
+      const unsigned int every = scene.domain.balance_steps;
+      return every > 0 && time.number() % every == 0 && !time.at_end() &&
+             !scene.lagrangian_mesh() && !scene.adaptivity &&
+             particles.imbalance() > most_imbalance;
+    }
+
+    /// Shares the points out among the ranks anew.
+    template <int dim>
+    void
+    balance(Setup<dim>                    &setup,
+            std::unique_ptr<Stepper<dim>> &stepper,
+            TimerTree                     &timers,
+            Log                           &log)
+    {
+      TimerTree::Scope scope(timers, "balance");
+      change_mesh<dim>(
+        setup, stepper, timers, log, [&](CarriedFields<dim> &carried) {
+          carried.carry_along([&] { setup.particles.rebalance(); });
+          return true;
+        });
     }
 
     /// Of the stiffest body (m/s).
@@ -221,10 +269,11 @@ namespace selkie
     Log       log(comm);
     TimerTree timers(comm);
     // The last that may refuse the scene: before the output is touched.
-    auto  setup     = timed(timers, "set-up", [&] {
+    auto       setup     = timed(timers, "set-up", [&] {
       return std::make_unique<Setup<dim>>(scene, comm, found.folder);
     });
-    auto &particles = setup->particles;
+    auto      &particles = setup->particles;
+    const auto ranks     = Utilities::MPI::n_mpi_processes(comm);
 
     RunOutput<dim> output(scene, comm, log, timers, resumed);
     if (!found.damage.empty())
@@ -291,7 +340,14 @@ namespace selkie
                                         failure.what());
               return 2;
             }
-        output.keep(particles, *stepper, *setup->mesh, time);
+        const bool keep = output.checkpoint_is_due(time);
+        // A resumed run gets its cells that way, and is to be the same.
+        const bool restores =
+          keep && ranks > 1 && !scene.lagrangian_mesh() && !time.at_end();
+        if (restores || is_uneven(particles, time))
+          balance(*setup, stepper, timers, log);
+        if (keep)
+          output.write_checkpoint(particles, *stepper, *setup->mesh, time);
       }
     output.finish(particles, *stepper, time);
     return 0;

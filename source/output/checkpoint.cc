@@ -330,10 +330,7 @@ namespace selkie
       }
     throw_on_all_ranks<SceneError>(comm, failure);
 
-    // On as many ranks as before, every rank gets what it had.
-    const bool other_ranks = json.get<unsigned int>("ranks") !=
-                             dealii::Utilities::MPI::n_mpi_processes(comm);
-    mesh.load(folder + "/mesh", other_ranks);
+    mesh.load(folder + "/mesh");
     std::istringstream            counters(read_text(folder + "/points"));
     boost::archive::text_iarchive archive(counters);
     archive >> particles.handler();
@@ -356,7 +353,8 @@ namespace selkie
     CheckpointState state = from_json(json.get_child("state"));
     state.run             = read_text(folder + "/run");
     particles.accounting  = state.accounting;
-    if (other_ranks)
+    // deal.II shares the cells out evenly, whoever had them before.
+    if (dealii::Utilities::MPI::n_mpi_processes(comm) > 1)
       nodal_fields.carry_along([&particles] { particles.rebalance(); });
     return state;
   }

@@ -163,6 +163,20 @@ namespace selkie
 
 
   template <int dim>
+  double
+  ParticleSet<dim>::imbalance() const
+  {
+    const double all = points.n_global_particles();
+    const double fullest =
+      dealii::Utilities::MPI::max(double(points.n_locally_owned_particles()),
+                                  communicator());
+    const double ranks =
+      dealii::Utilities::MPI::n_mpi_processes(communicator());
+    return all > 0. ? fullest * ranks / all : 1.;
+  }
+
+
+  template <int dim>
   void
   ParticleSet<dim>::rebalance()
   {

@@ -201,6 +201,13 @@ namespace selkie
                         "before refinement. They must be squares or cubes to "
                         "within 1 %. Units: none.",
                         Patterns::List(Integer(1), dim, dim, ","));
+      prm.add_parameter("Balance steps",
+                        domain.balance_steps,
+                        "On several ranks: so often it is looked at how evenly "
+                        "they share the points, and where the fullest has a "
+                        "fifth more than the mean the cells are shared out "
+                        "anew. 0: never. Units: none.",
+                        Integer(0));
       declare_walls(prm, domain);
       declare_refinements(prm, names.refinements, domain);
       if (names.imported_mesh)

@@ -595,6 +595,18 @@ def ranks(selkie, folder, what):
               error[name], 1e-8)
 
 
+def balance(selkie, folder):
+    """A dam break that leaves a rank with too few points: the cells are shared out
+    anew, and the statistics stay those of one rank."""
+    ranks(selkie, folder, "dam_break:120:Domain/Cells=32, 24:Time/Step=2e-3:Domain/Balance steps=5")
+    for n in (2, 3):
+        with open(folder / str(n) / "timing.csv", newline="") as file:
+            calls = sum(int(row["calls"]) for row in csv.DictReader(file) if row["path"] == "balance")
+        print(f"       {n} ranks: shared out anew {calls} times")
+        if n == 3:
+            check("3 ranks: 0 if the points were shared out anew", int(calls == 0), 0)
+
+
 def main(cases):
     if len(sys.argv) < 3 or sys.argv[1] not in cases:
         sys.exit(__doc__)

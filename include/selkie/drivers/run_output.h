@@ -70,12 +70,16 @@ namespace selkie
            const Stepper<dim>     &stepper,
            const TimeControl      &time);
 
-    /// Writes a checkpoint if one is due.
-    void
-    keep(ParticleSet<dim>                                  &particles,
-         const Stepper<dim>                                &stepper,
-         dealii::parallel::distributed::Triangulation<dim> &mesh,
-         const TimeControl                                 &time);
+    /// Collective.
+    bool
+    checkpoint_is_due(const TimeControl &time);
+
+    /// @return the folder
+    std::string
+    write_checkpoint(ParticleSet<dim>   &particles,
+                     const Stepper<dim> &stepper,
+                     dealii::parallel::distributed::Triangulation<dim> &mesh,
+                     const TimeControl                                 &time);
 
     /// Writes a checkpoint of the last good state and says why the run ends.
     void
@@ -96,11 +100,6 @@ namespace selkie
   private:
     void
     open(const ParticleSet<dim> &particles, const Stepper<dim> &stepper);
-    std::string
-    write_checkpoint(ParticleSet<dim>   &particles,
-                     const Stepper<dim> &stepper,
-                     dealii::parallel::distributed::Triangulation<dim> &mesh,
-                     const TimeControl                                 &time);
     void
     write_row(const ParticleSet<dim> &particles,
               const Stepper<dim>     &stepper,

@@ -64,6 +64,9 @@ namespace selkie
     }
   };
 
+  /// ParticleSet::imbalance() that is put up with.
+  constexpr double most_imbalance = 1.2;
+
   /**
    * The material points: a ParticleHandler and its typed columns. This class
    * seeds, moves and accounts for them.
@@ -96,9 +99,14 @@ namespace selkie
     void
     seed();
 
+    /// The points of the fullest rank over the mean. Collective.
+    double
+    imbalance() const;
+
     /// Repartitions the mesh by particle count (cell weights) and takes the
-    /// points along. Node clouds and whatever else hangs on the mesh must be
-    /// built anew.
+    /// points along. Not by measured times: these differ from run to run, and
+    /// with them the partition and round-off. Node clouds and whatever else
+    /// hangs on the mesh must be built anew.
     void
     rebalance();
 

@@ -75,6 +75,8 @@ namespace selkie
       unsigned int                      levels = 1;
     };
     std::vector<Refinement> refinements;
+    /// Between two looks at how evenly the ranks share the points; 0: none.
+    unsigned int balance_steps = 10;
   };
 
   /// Nodes of the background mesh inside a shape: a clamp, a rigid obstacle.
