@@ -92,9 +92,15 @@ def pictures(folder):
     return [line.strip() for line in text.splitlines() if "DataSet" in line]
 
 
-def expect_same(whole, resumed):
+def expect_same(whole, resumed, ranks=1):
+    """On one rank to the last digit; on several the cells of a rank may come in another
+    order (deal.II numbers them by the mesh's history), and sums differ by round-off."""
     for name, text in tables(whole).items():
-        expect(tables(resumed)[name] == text, f"{name}: the same to the last digit")
+        if ranks == 1:
+            expect(tables(resumed)[name] == text, f"{name}: the same to the last digit")
+        else:
+            difference = largest_difference(text, tables(resumed)[name])
+            expect(difference < 1e-11, f"{name}: differs by {difference:.1e}")
     expect(pictures(whole) == pictures(resumed), f"particles.pvd: the same {len(pictures(whole))} pictures")
 
 
@@ -112,7 +118,7 @@ def same_ranks(program, folder, scene="dam_break", ranks="1"):
     shutil.rmtree(folder / "half/checkpoint" / steps[1])
     code, said = selkie(program, "resume", folder / "half", ranks=ranks)
     expect(code == 0, f"resumed from step {int(steps[0])} to t = {end:g} s")
-    expect_same(folder / "whole", folder / "half")
+    expect_same(folder / "whole", folder / "half", ranks)
     expect((folder / "half/log.txt").read_text().count("Resumed") == 1, "log.txt goes on")
     code, said = selkie(program, "resume", folder / "half", ranks=ranks)
     expect(code == 0 and "Nothing is left to do" in said, "a run at its end says so")
