@@ -191,18 +191,23 @@ namespace selkie
       return report;
     }
 
-    /// Whether it is time to share out the points anew, and they are spread
-    /// unevenly. The points of a Lagrangian mesh do not move; adapt() shares
-    /// out by itself.
+    /// Whether to share the points out anew: where they are spread unevenly,
+    /// and before a checkpoint, as a resumed run gets its cells that way and is
+    /// to be the same. The points of a Lagrangian mesh do not move.
     template <int dim>
     bool
-    is_uneven(const ParticleSet<dim> &particles, const TimeControl &time)
+    shares_out_now(const ParticleSet<dim> &particles,
+                   const TimeControl      &time,
+                   const bool              keeps)
     {
-      const Scene<dim>  &scene = particles.scene;
+      const Scene<dim> &scene = particles.scene;
+      if (Utilities::MPI::n_mpi_processes(particles.communicator()) == 1 ||
+          scene.lagrangian_mesh() || time.at_end())
+        return false;
       const unsigned int every = scene.domain.balance_steps;
-      return every > 0 && time.number() % every == 0 && !time.at_end() &&
-             !scene.lagrangian_mesh() && !scene.adaptivity &&
-             particles.imbalance() > most_imbalance;
+      return keeps ||
+             (every > 0 && time.number() % every == 0 && !scene.adaptivity &&
+              particles.imbalance() > most_imbalance);
     }
 
     /// Shares the points out among the ranks anew.
@@ -269,11 +274,10 @@ namespace selkie
     Log       log(comm);
     TimerTree timers(comm);
     // The last that may refuse the scene: before the output is touched.
-    auto       setup     = timed(timers, "set-up", [&] {
+    auto  setup     = timed(timers, "set-up", [&] {
       return std::make_unique<Setup<dim>>(scene, comm, found.folder);
     });
-    auto      &particles = setup->particles;
-    const auto ranks     = Utilities::MPI::n_mpi_processes(comm);
+    auto &particles = setup->particles;
 
     RunOutput<dim> output(scene, comm, log, timers, resumed);
     if (!found.damage.empty())
@@ -341,10 +345,7 @@ namespace selkie
               return 2;
             }
         const bool keep = output.checkpoint_is_due(time);
-        // A resumed run gets its cells that way, and is to be the same.
-        const bool restores =
-          keep && ranks > 1 && !scene.lagrangian_mesh() && !time.at_end();
-        if (restores || is_uneven(particles, time))
+        if (shares_out_now(particles, time, keep))
           balance(*setup, stepper, timers, log);
         if (keep)
           output.write_checkpoint(particles, *stepper, *setup->mesh, time);
