@@ -441,6 +441,8 @@ class Maker:
         if self.maybe(0.5):
             self.set("Transfer/Scheme", self.among("flip", "tpic"))
             self.set("Transfer/FLIP fraction", self.among(0, 0.9, 0.98, 1))
+            self.set("Transfer/FLIP interval", self.among(0, 1e-4, 1e-2))
+            self.set("Transfer/Projection order", self.among(1, 1, 2, 4, 10))
         if self.maybe(0.3):
             self.set("Newton/Tolerance", self.log(1e-10, 1e-4))
         if self.maybe(0.1):
