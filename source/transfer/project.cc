@@ -8,13 +8,15 @@ namespace selkie
 
   namespace
   {
-    /// The properties of the particles in iteration order, which is the
-    /// numbering of StepPoint::particle.
+    /// Of the particles in iteration order, which is the numbering of
+    /// StepPoint::particle.
+    using Properties = std::vector<ArrayView<const double>>;
+
     template <int dim>
-    std::vector<ArrayView<const double>>
+    Properties
     properties_of(const ParticleSet<dim> &particles)
     {
-      std::vector<ArrayView<const double>> properties;
+      Properties properties;
       for (const auto &particle : particles.handler())
         properties.push_back(particle.get_properties());
       return properties;
@@ -25,11 +27,10 @@ namespace selkie
     template <int dim, typename Select, typename See>
     void
     for_each_point(const SupportTable<dim> &table,
-                   const ParticleSet<dim>  &particles,
+                   const Properties        &properties,
                    const Select            &selects,
                    const See               &see)
     {
-      const auto properties = properties_of(particles);
       for (const auto &patch : table.patches)
         if (patch.matter && selects(patch))
           for (unsigned int q = 0; q < patch.n_points; ++q)
@@ -88,16 +89,16 @@ namespace selkie
         }
     }
 
-    /// Adds m N_a (v + grad v (x_a - x)) and m N_a a to the sums of the nodes.
-    template <bool tpic, int dim>
+    /// Calls add(i, m N_a, v, a) for every node of a point and its unknowns i,
+    /// v (with TPIC v + grad v (x_a - x)) and a being what the point gives it.
+    template <bool tpic, int dim, typename Add>
     void
-    add_to_nodes(const SupportTable<dim> &table,
-                 const Patch<dim>        &patch,
-                 const unsigned int       q,
-                 const System<dim>       &system,
-                 const Motion<dim>       &motion,
-                 Vector                  &v_sum,
-                 Vector                  &a_sum)
+    spread(const SupportTable<dim> &table,
+           const Patch<dim>        &patch,
+           const unsigned int       q,
+           const System<dim>       &system,
+           const Motion<dim>       &motion,
+           const Add               &add)
     {
       const auto   &point = table.points[patch.first_point + q];
       const double *N     = table.N(patch, q);
@@ -110,69 +111,74 @@ namespace selkie
           if constexpr (tpic)
             v += motion.grad_v * (system.cloud.position(node) - point.x);
           for (unsigned int d = 0; d < dim; ++d)
-            {
-              v_sum.local_element(u + d) += mN * v[d];
-              a_sum.local_element(u + d) += mN * motion.a[d];
-            }
+            add(u + d, mN, v[d], motion.a[d]);
         }
     }
 
     /// Sums of mass and momentum of the points, and of m a.
     template <bool tpic, int dim>
     void
-    add_motion(const ParticleSet<dim>  &particles,
-               const SupportTable<dim> &table,
-               const System<dim>       &system,
-               StepFields              &fields)
+    add_motion(const ParticleColumns<dim> &columns,
+               const Properties           &properties,
+               const SupportTable<dim>    &table,
+               const System<dim>          &system,
+               StepFields                 &fields)
     {
-      for_each_point(
-        table,
-        particles,
-        all_patches,
-        [&](const Patch<dim>              &patch,
-            const unsigned int             q,
-            const ArrayView<const double> &mine) {
-          add_to_nodes<tpic>(table,
-                             patch,
-                             q,
-                             system,
-                             motion_of<tpic>(particles.columns, mine),
-                             fields.v_n,
-                             fields.a_n);
-          const double m = table.points[patch.first_point + q].mass;
-          for (unsigned int k = 0; k < patch.n_nodes; ++k)
-            for (unsigned int d = 0; d < dim; ++d)
-              fields.mass.local_element(
-                system.displacement(table.nodes[patch.first_node + k]) + d) +=
-                m * table.N(patch, q)[k];
-        });
+      const auto add = [&](const unsigned int i,
+                           const double       mN,
+                           const double       v,
+                           const double       a) {
+        fields.mass.local_element(i) += mN;
+        fields.v_n.local_element(i) += mN * v;
+        fields.a_n.local_element(i) += mN * a;
+      };
+      for_each_point(table,
+                     properties,
+                     all_patches,
+                     [&](const Patch<dim>              &patch,
+                         const unsigned int             q,
+                         const ArrayView<const double> &mine) {
+                       spread<tpic>(table,
+                                    patch,
+                                    q,
+                                    system,
+                                    motion_of<tpic>(columns, mine),
+                                    add);
+                     });
     }
 
     /// What the points have and the nodes do not give them, projected and added
     /// to the nodes' velocity and acceleration. Collective.
     template <bool tpic, int dim>
     void
-    add_missed_motion(const ParticleSet<dim>  &particles,
-                      const SupportTable<dim> &table,
-                      const System<dim>       &system,
-                      StepFields              &fields)
+    add_missed_motion(const ParticleColumns<dim> &columns,
+                      const Properties           &properties,
+                      const SupportTable<dim>    &table,
+                      const System<dim>          &system,
+                      StepFields                 &fields)
     {
       Vector v_missed, a_missed;
       for (auto *vector : {&v_missed, &a_missed})
         system.initialize(*vector);
       for (const auto *vector : {&fields.v_n, &fields.a_n})
         vector->update_ghost_values();
+      const auto add = [&](const unsigned int i,
+                           const double       mN,
+                           const double       v,
+                           const double       a) {
+        v_missed.local_element(i) += mN * v;
+        a_missed.local_element(i) += mN * a;
+      };
       for_each_point(table,
-                     particles,
+                     properties,
                      all_patches,
                      [&](const Patch<dim>              &patch,
                          const unsigned int             q,
                          const ArrayView<const double> &mine) {
-                       auto missed = motion_of<tpic>(particles.columns, mine);
+                       auto missed = motion_of<tpic>(columns, mine);
                        subtract_nodes<tpic>(
                          table, patch, q, system, fields, missed);
-                       add_to_nodes<tpic>(
-                         table, patch, q, system, missed, v_missed, a_missed);
+                       spread<tpic>(table, patch, q, system, missed, add);
                      });
       for (auto *vector : {&v_missed, &a_missed})
         vector->compress(VectorOperation::add);
@@ -189,13 +195,14 @@ namespace selkie
     template <int dim>
     void
     add_pressures(const ParticleSet<dim>  &particles,
+                  const Properties        &properties,
                   const SupportTable<dim> &table,
                   const System<dim>       &system,
                   StepFields              &fields)
     {
       for_each_point(
         table,
-        particles,
+        properties,
         [phases = particles.scene.pressure_phases()](const Patch<dim> &patch) {
           return ((phases >> patch.phase) & 1u) != 0;
         },
@@ -290,18 +297,21 @@ namespace selkie
           const NodalState<dim>   *nodes,
           StepFields              &fields)
   {
-    const bool moves = particles.scene.inertia.has_value();
+    const bool  moves   = particles.scene.inertia.has_value();
+    const auto &columns = particles.columns;
+    const bool  tpic    = columns.grad_v.exists();
+    Properties  properties;
     system.initialize(fields.x);
     if (moves)
       {
+        properties = properties_of(particles);
         for (auto *vector : {&fields.mass, &fields.v_n, &fields.a_n})
           system.initialize(*vector);
-        if (particles.columns.grad_v.exists())
-          add_motion<true>(particles, table, system, fields);
-        else
-          add_motion<false>(particles, table, system, fields);
+        const auto add =
+          tpic ? &add_motion<true, dim> : &add_motion<false, dim>;
+        add(columns, properties, table, system, fields);
         if (particles.scene.has_pressure())
-          add_pressures(particles, table, system, fields);
+          add_pressures(particles, properties, table, system, fields);
         divide_by_weight(fields);
         if (nodes != nullptr)
           nodes->recall(system, fields);
@@ -310,10 +320,9 @@ namespace selkie
     if (moves && nodes == nullptr)
       for (unsigned int k = 1; k < particles.scene.transfer.order; ++k)
         {
-          if (particles.columns.grad_v.exists())
-            add_missed_motion<true>(particles, table, system, fields);
-          else
-            add_missed_motion<false>(particles, table, system, fields);
+          const auto add = tpic ? &add_missed_motion<true, dim>
+                                : &add_missed_motion<false, dim>;
+          add(columns, properties, table, system, fields);
           prescribe(system, t_n, dt, moves, fields);
         }
     if (particles.scene.has_pressure())

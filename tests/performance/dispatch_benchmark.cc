@@ -5,20 +5,11 @@
  * points for all of them; and what a patch costs in all. Figures and decision:
  * doc/design-notes.md, section 1.
  */
-#include <selkie/assembly/assembler.h>
-#include <selkie/mesh/background_mesh.h>
-#include <selkie/mesh/node_cloud.h>
-#include <selkie/particles/particle_set.h>
-#include <selkie/shape/lme_support.h>
-#include <selkie/shape/occupancy.h>
-#include <selkie/terms/effect_table.h>
-#include <selkie/transfer/transfer.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <benchmark/benchmark.h>
 
-#include "../small_scenes.h"
+#include "assembled_scene.h"
 
 using namespace selkie;
 
@@ -89,56 +80,13 @@ namespace
     }
   };
 
-  /// A block of rubber with its supports: everything before the assembly.
-  struct Block
-  {
-    Block()
-      : scene(small_scenes::read<2>(small_scenes::free_block()))
-      , mesh(make_background_mesh<2>(scene.domain, MPI_COMM_WORLD))
-      , particles(scene, *mesh)
-    {
-      particles.seed();
-      cloud      = std::make_unique<NodeCloud<2>>(*mesh,
-                                             scene.lme.gamma,
-                                             scene.lme.support_tolerance);
-      conditions = std::make_unique<NodeConditions<2>>(scene, *cloud);
-      system     = std::make_unique<System<2>>(*cloud, *conditions, false);
-      terms      = terms_of(scene);
-      assembler  = std::make_unique<Assembler<2>>(terms, *system);
-      const auto occupancy = find_occupancy(particles, *cloud, false);
-      fill_material_points(particles, *cloud, occupancy, table);
-      system->reinit(occupancy, table);
-      project(particles,
-              table,
-              *system,
-              0.,
-              dt,
-              Vector(),
-              static_cast<const NodalState<2> *>(nullptr),
-              fields);
-    }
-
-    static constexpr double                     dt = 1e-3;
-    Scene<2>                                    scene;
-    std::unique_ptr<ParticleSet<2>::Mesh>       mesh;
-    ParticleSet<2>                              particles;
-    std::unique_ptr<NodeCloud<2>>               cloud;
-    std::unique_ptr<NodeConditions<2>>          conditions;
-    std::unique_ptr<System<2>>                  system;
-    std::vector<std::shared_ptr<const Term<2>>> terms;
-    std::unique_ptr<Assembler<2>>               assembler;
-    SupportTable<2>                             table;
-    StepFields                                  fields;
-    const StepTime time{0., Newmark(0.25, 0.5, dt)};
-  };
-
   /// Calls run(state) for every patch.
   template <typename Run>
   void
   for_patches(benchmark::State &state, const Run &run)
   {
-    Block         block;
-    PatchState<2> patch_state;
+    AssembledScene<2> block(small_scenes::free_block());
+    PatchState<2>     patch_state;
     patch_state.table = &block.table;
     patch_state.forms.resize(64);
     for (auto _ : state)
@@ -174,12 +122,9 @@ namespace
   void
   whole_assembly(benchmark::State &state, const bool with_tangent)
   {
-    Block  block;
-    Vector residual;
-    block.system->initialize(residual);
+    AssembledScene<2> block(small_scenes::free_block());
     for (auto _ : state)
-      block.assembler->assemble(
-        block.table, block.time, block.fields, 1., with_tangent, residual);
+      block.assemble(with_tangent);
     state.SetItemsProcessed(state.iterations() * block.table.patches.size());
   }
 

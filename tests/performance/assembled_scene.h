@@ -1,0 +1,70 @@
+#pragma once
+
+#include <selkie/assembly/assembler.h>
+#include <selkie/mesh/background_mesh.h>
+#include <selkie/mesh/node_cloud.h>
+#include <selkie/particles/particle_set.h>
+#include <selkie/shape/lme_support.h>
+#include <selkie/shape/occupancy.h>
+#include <selkie/terms/effect_table.h>
+#include <selkie/transfer/transfer.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../small_scenes.h"
+
+/// A scene of solids with its supports: everything before the assembly.
+template <int dim>
+struct AssembledScene
+{
+  explicit AssembledScene(const std::string &text)
+    : scene(small_scenes::read<dim>(text))
+    , mesh(selkie::make_background_mesh<dim>(scene.domain, MPI_COMM_WORLD))
+    , particles(scene, *mesh)
+  {
+    using namespace selkie;
+    particles.seed();
+    cloud      = std::make_unique<NodeCloud<dim>>(*mesh,
+                                             scene.lme.gamma,
+                                             scene.lme.support_tolerance);
+    conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
+    system     = std::make_unique<System<dim>>(*cloud, *conditions, false);
+    terms      = terms_of(scene);
+    assembler  = std::make_unique<Assembler<dim>>(terms, *system);
+    const auto occupancy = find_occupancy(particles, *cloud, false);
+    fill_material_points(particles, *cloud, occupancy, table);
+    system->reinit(occupancy, table);
+    project(particles,
+            table,
+            *system,
+            0.,
+            dt,
+            Vector(),
+            static_cast<const NodalState<dim> *>(nullptr),
+            fields);
+    system->initialize(residual);
+  }
+
+  /// The residual, and the matrix if asked for.
+  void
+  assemble(const bool with_tangent)
+  {
+    assembler->assemble(table, time, fields, 1., with_tangent, residual);
+  }
+
+  static constexpr double                                  dt = 1e-3;
+  selkie::Scene<dim>                                       scene;
+  std::unique_ptr<typename selkie::ParticleSet<dim>::Mesh> mesh;
+  selkie::ParticleSet<dim>                                 particles;
+  std::unique_ptr<selkie::NodeCloud<dim>>                  cloud;
+  std::unique_ptr<selkie::NodeConditions<dim>>             conditions;
+  std::unique_ptr<selkie::System<dim>>                     system;
+  std::vector<std::shared_ptr<const selkie::Term<dim>>>    terms;
+  std::unique_ptr<selkie::Assembler<dim>>                  assembler;
+  selkie::SupportTable<dim>                                table;
+  selkie::StepFields                                       fields;
+  selkie::Vector                                           residual;
+  const selkie::StepTime time{0., selkie::Newmark(0.25, 0.5, dt)};
+};
