@@ -92,8 +92,9 @@ namespace selkie
                         Patterns::Integer(1));
       prm.add_parameter("Repetitions",
                         study.repetitions,
-                        "How often each member is run; times are medians. "
-                        "Units: none.",
+                        "How often each member is timed; times are medians. "
+                        "If more than once, a timing of a short member is the "
+                        "fastest of up to five runs. Units: none.",
                         Patterns::Integer(1));
       prm.add_parameter("Refined directions",
                         study.directions,

@@ -35,6 +35,8 @@ namespace selkie
    * Runs a scene with settings as a child process, with its output in
    * @p folder and what it prints in folder.log. A folder in which the same
    * settings have been run to their end is not run again: its result is read.
+   * In a study that repeats its timings, a short run is done up to five times
+   * and the fastest counts.
    * @param program this program
    */
   MemberResult
