@@ -103,6 +103,39 @@ end
 )";
   }
 
+  /// Two elastic blocks on an oblique line, with a gap (m) between faces across
+  /// y: the lower one flies towards the upper one.
+  inline std::string
+  two_blocks(const double gap)
+  {
+    std::string text = free_block();
+    text.replace(text.find("= inertia"), 9, "= inertia, contact");
+    const auto from = text.find("  set Names = block");
+    const auto to   = text.find("subsection Time");
+    const auto body = [](const std::string &name,
+                         const std::string &shape,
+                         const std::string &velocity) {
+      return "  subsection " + name +
+             "\n    set Law   = neo hookean\n    set Shape = " + shape +
+             "\n    set Initial velocity = " + velocity + R"(
+    subsection Law parameters
+      set Density       = 1000
+      set Young modulus = 1e6
+      set Poisson ratio = 0.3
+    end
+  end
+)";
+    };
+    const std::string middle = std::to_string(0.5 + gap);
+    text.replace(from,
+                 to - from,
+                 "  set Names = lower, upper\n" +
+                   body("lower", "box(0.3, 0.2, 0.7, 0.5)", "0.2; 20") +
+                   body("upper", "box(0.4, " + middle + ", 0.8, 0.8)", "0; 0") +
+                   "end\n");
+    return text;
+  }
+
   /// Reads a scene from text. Collective.
   template <int dim>
   selkie::Scene<dim>

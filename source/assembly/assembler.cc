@@ -60,7 +60,8 @@ namespace selkie
         const PatchKind kind{bool(bits & 1),
                              bool(bits & 2),
                              bool(bits & 4),
-                             bool(bits & 8)};
+                             bool(bits & 8),
+                             bool(bits & 16)};
         kernels[kind.index()]        = compose(kind, false);
         energy_kernels[kind.index()] = compose(kind, true);
       }
@@ -361,11 +362,17 @@ namespace selkie
     return true;
   }
 
-  /// The forms of the present patch with the hat functions of its cell.
+  /// The forms of the present patch with the hat functions of its cell. Pairs
+  /// of nodes in contact are what they are with any functions.
   template <int dim>
   void
   Assembler<dim>::add_hats(const Kernel &kernel)
   {
+    if (state.patch->contact)
+      {
+        hat_tangent.add(unknowns, dense);
+        return;
+      }
     const PatchState<dim> &hats = hat_patch.of(state, system.cloud);
     hat_dense.reinit(*hats.patch, kernel.with_pressure);
     number_unknowns(hats.table->nodes.data(), hat_dense, hat_unknowns);

@@ -45,9 +45,10 @@ namespace selkie
   const PatchState<dim> &
   HatPatch<dim>::of(const PatchState<dim> &state, const NodeCloud<dim> &cloud)
   {
-    constexpr unsigned int n       = GeometryInfo<dim>::vertices_per_cell;
-    const auto            &cell    = state.patch->cell;
-    const auto             corners = cloud.corners(cell);
+    constexpr unsigned int n    = GeometryInfo<dim>::vertices_per_cell;
+    const auto            &cell = state.patch->cell;
+    const unsigned int     node = state.table->nodes[state.patch->first_node];
+    const auto             corners = cloud.corners(cell, cloud.layer(node));
     table.patches.assign(1, *state.patch);
     Patch<dim> &hats = table.patches[0];
     hats.first_node = hats.first_point = hats.data = 0;

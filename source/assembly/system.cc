@@ -24,6 +24,8 @@ namespace selkie
     std::sort(by_position.begin(),
               by_position.end(),
               [&cloud](const unsigned int a, const unsigned int b) {
+                if (cloud.layer(a) != cloud.layer(b))
+                  return cloud.layer(a) < cloud.layer(b);
                 for (int d = dim - 1; d >= 0; --d)
                   if (cloud.position(a)[d] != cloud.position(b)[d])
                     return cloud.position(a)[d] < cloud.position(b)[d];
@@ -130,7 +132,7 @@ namespace selkie
   {
     std::size_t hash = partition->size();
     for (const auto &patch : table.patches)
-      if (patch.matter)
+      if (patch.matter || patch.contact)
         {
           boost::hash_combine(hash, patch.n_nodes);
           for (unsigned int a = 0; a < patch.n_nodes; ++a)
@@ -239,7 +241,7 @@ namespace selkie
   {
     std::vector<Coupling> couplings;
     for (const auto &patch : table.patches)
-      if (patch.matter)
+      if (patch.matter || patch.contact)
         {
           const unsigned int *first = table.nodes.data() + patch.first_node;
           couplings.push_back({first,
@@ -261,7 +263,9 @@ namespace selkie
     std::vector<unsigned int> corners;
     for (const auto &patch : table.patches)
       if (patch.matter)
-        for (const unsigned int node : cloud.corners(patch.cell))
+        for (const unsigned int node :
+             cloud.corners(patch.cell,
+                           cloud.layer(table.nodes[patch.first_node])))
           corners.push_back(node);
 
     std::vector<Coupling> couplings;
@@ -273,6 +277,12 @@ namespace selkie
           couplings.push_back({first,
                                first + n_corners,
                                bool((pressure_phases >> patch.phase) & 1u)});
+        }
+    for (const auto &patch : table.patches)
+      if (patch.contact)
+        {
+          const unsigned int *first = table.nodes.data() + patch.first_node;
+          couplings.push_back({first, first + patch.n_nodes, false});
         }
     hat_tangent = make_matrix(couplings);
   }

@@ -49,7 +49,8 @@ namespace selkie
         if (scene.approximation == Approximation::lme_mpm)
           cloud = std::make_unique<NodeCloud<dim>>(*mesh,
                                                    scene.lme.gamma,
-                                                   scene.lme.support_tolerance);
+                                                   scene.lme.support_tolerance,
+                                                   scene.n_layers());
         else
           cloud = std::make_unique<NodeCloud<dim>>(*mesh);
       }

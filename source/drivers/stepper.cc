@@ -5,6 +5,7 @@
 #include <selkie/drivers/start_acceleration.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/laws/volumetric_law.h>
+#include <selkie/shape/contact_pairs.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -92,6 +93,8 @@ namespace selkie
         occupancy = find_occupancy(particles, cloud, has_full_cells());
         together(
           [&] { fill_material_points(particles, cloud, occupancy, table); });
+        if (scene.contact)
+          add_contact_pairs(cloud, occupancy, table);
         unknowns.reinit(occupancy, table);
         return;
       }

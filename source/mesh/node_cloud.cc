@@ -4,6 +4,7 @@
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/boost_adaptors/bounding_box.h>
 #include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <boost/serialization/array.hpp>
@@ -122,13 +123,15 @@ namespace selkie
   NodeCloud<dim>::NodeCloud(
     const dealii::parallel::distributed::Triangulation<dim> &triangulation,
     const double                                             lme_gamma,
-    const double                                             tolerance)
+    const double                                             tolerance,
+    const unsigned int                                       n_layers)
     : gamma(lme_gamma)
     // the last factor lets all ranks agree on nodes at exactly their reach
     , reach_per_spacing(std::sqrt(-std::log(tolerance) / lme_gamma) *
                         (1. + 1e-10))
     , mesh(triangulation)
-    , element(1)
+    , layers(n_layers)
+    , element(dealii::FE_Q<dim>(1), layers)
     , dofs(triangulation)
   {
     const CellLocator<dim> locator(mesh);
@@ -148,7 +151,8 @@ namespace selkie
     : gamma(0.)
     , reach_per_spacing(0.)
     , mesh(triangulation)
-    , element(1)
+    , layers(1)
+    , element(dealii::FE_Q<dim>(1), layers)
     , dofs(triangulation)
   {
     dofs.distribute_dofs(element);
@@ -206,7 +210,8 @@ namespace selkie
   {
     const dealii::IndexSet &owned = dofs.locally_owned_dofs();
     std::vector<Node>       nodes(owned.n_elements());
-    std::vector<dealii::types::global_dof_index> indices(1u << dim);
+    std::vector<dealii::types::global_dof_index> indices(
+      element.n_dofs_per_cell());
     for (const auto &cell : dofs.active_cell_iterators())
       if (!cell->is_artificial())
         {
@@ -217,7 +222,7 @@ namespace selkie
               {
                 Node &node = nodes[owned.index_within_set(indices[v])];
                 node.index = indices[v];
-                node.key   = locator.key(cell->vertex(v));
+                node.key   = locator.key(cell->vertex(v / layers));
                 node.h     = node.h > 0 ? std::min(node.h, h) : h;
               }
         }
@@ -322,6 +327,8 @@ namespace selkie
               order.end(),
               [&nodes](const unsigned int a, const unsigned int b) {
                 const auto &x = nodes[a].key, &y = nodes[b].key;
+                if (x == y) // in different layers
+                  return a < b;
                 return std::lexicographical_compare(x.rbegin(),
                                                     x.rend(),
                                                     y.rbegin(),
@@ -338,25 +345,27 @@ namespace selkie
   NodeCloud<dim>::store_corners()
   {
     cell_corners.resize(mesh.n_active_cells());
-    std::vector<dealii::types::global_dof_index> indices(1u << dim);
+    std::vector<dealii::types::global_dof_index> indices(
+      element.n_dofs_per_cell());
     for (const auto &cell : dofs.active_cell_iterators())
       if (cell->is_locally_owned())
         {
           cell->get_dof_indices(indices);
-          for (unsigned int v = 0; v < indices.size(); ++v)
+          for (unsigned int v = 0; v < (1u << dim); ++v)
             cell_corners[cell->active_cell_index()][v] =
-              partition->global_to_local(indices[v]);
+              partition->global_to_local(indices[v * layers]);
         }
 
     // Every cell tells its corners, on whatever rank their owners are.
     Vector share(partition), count(partition);
     for (const auto &cell : dofs.active_cell_iterators())
       if (cell->is_locally_owned())
-        for (const unsigned int node : cell_corners[cell->active_cell_index()])
-          {
-            share.local_element(node) += cell->measure() / (1u << dim);
-            count.local_element(node) += 1.;
-          }
+        for (unsigned int layer = 0; layer < layers; ++layer)
+          for (const unsigned int node : corners(cell, layer))
+            {
+              share.local_element(node) += cell->measure() / (1u << dim);
+              count.local_element(node) += 1.;
+            }
     for (auto *vector : {&share, &count})
       {
         vector->compress(dealii::VectorOperation::add);
@@ -456,10 +465,13 @@ namespace selkie
 
   template <int dim>
   std::array<unsigned int, (1u << dim)>
-  NodeCloud<dim>::corners(const Cell &cell) const
+  NodeCloud<dim>::corners(const Cell &cell, const unsigned int layer) const
   {
     Assert(cell->is_locally_owned(), dealii::ExcMessage("not an owned cell"));
-    return cell_corners[cell->active_cell_index()];
+    auto nodes = cell_corners[cell->active_cell_index()];
+    for (unsigned int &node : nodes)
+      node += layer;
+    return nodes;
   }
 
 

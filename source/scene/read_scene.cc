@@ -217,6 +217,25 @@ namespace selkie
     }
 
 
+    /// Layers of nodes: the first is that of all bodies that are not named, the
+    /// others belong to one body each.
+    template <int dim>
+    void
+    give_layers(Scene<dim> &scene)
+    {
+      std::vector<bool> alone(scene.bodies.size(), false);
+      for (unsigned int i = 0; i < scene.bodies.size(); ++i)
+        alone[i] = scene.contact->empty() &&
+                   scene.bodies[i].law->phase() == Phase::solid;
+      for (const unsigned int body : *scene.contact)
+        alone[body] = true;
+      unsigned int next =
+        std::find(alone.begin(), alone.end(), false) == alone.end() ? 0 : 1;
+      for (unsigned int i = 0; i < scene.bodies.size(); ++i)
+        scene.bodies[i].layer = alone[i] ? next++ : 0;
+    }
+
+
     /// What follows from the parameters and is not tied to one of them.
     template <int dim>
     void
@@ -230,6 +249,8 @@ namespace selkie
           if (wall.condition == NodeCondition::slip)
             wall.components[w / 2] = true;
         }
+      if (scene.contact)
+        give_layers(scene);
       if (scene.inertia && scene.inertia->mass == MassKind::automatic)
         scene.inertia->mass =
           scene.lagrangian_mesh() ? MassKind::consistent : MassKind::lumped;

@@ -39,9 +39,14 @@ namespace selkie
                  const NodeCloud<dim>   &cloud,
                  const bool              want_enclosed)
   {
-    unsigned int n_phases = 0;
+    std::vector<unsigned int> layer_of_phase;
     for (const auto &body : particles.scene.bodies)
-      n_phases = std::max(n_phases, body.phase + 1);
+      {
+        layer_of_phase.resize(
+          std::max<std::size_t>(layer_of_phase.size(), body.phase + 1));
+        layer_of_phase[body.phase] = body.layer;
+      }
+    const unsigned int n_phases = layer_of_phase.size();
     Assert(n_phases <= 32, ExcInternalError()); // check_geometry() said so
 
     const auto     cells = occupied_cells(particles);
@@ -54,7 +59,8 @@ namespace selkie
         mark = 0.;
         for (const auto &[cell, phases] : cells)
           if (phases & (1u << phase))
-            for (const unsigned int node : cloud.corners(cell))
+            for (const unsigned int node :
+                 cloud.corners(cell, layer_of_phase[phase]))
               mark.local_element(node) = 1.;
         mark.compress(VectorOperation::max);
         mark.update_ghost_values();

@@ -85,6 +85,7 @@ namespace selkie
   LinearSolver<dim>::forget()
   {
     multigrid = Multigrid();
+    gave_up   = false;
   }
 
   namespace
@@ -130,14 +131,17 @@ namespace selkie
   {
     if (kind == SolverKind::direct)
       return solve_by(kind, problem, x);
-    try
-      {
-        return solve_by(kind, problem, x);
-      }
-    catch (const LinearSolverFailure &failure)
-      {
-        log(failure.what() + std::string("; the direct solver takes over"));
-      }
+    if (!gave_up)
+      try
+        {
+          return solve_by(kind, problem, x);
+        }
+      catch (const LinearSolverFailure &failure)
+        {
+          gave_up = true;
+          log(failure.what() +
+              std::string("; the direct solver takes over for this step"));
+        }
     auto report      = solve_by(SolverKind::direct, problem, x);
     report.fell_back = true;
     return report;

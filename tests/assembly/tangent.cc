@@ -3,6 +3,7 @@
 // PPP, Gauss points in full cells and an elastic solid that shares its nodes.
 #include <selkie/assembly/assembler.h>
 #include <selkie/mesh/background_mesh.h>
+#include <selkie/shape/contact_pairs.h>
 #include <selkie/shape/lme_support.h>
 #include <selkie/terms/effect_table.h>
 #include <selkie/transfer/transfer.h>
@@ -31,7 +32,8 @@ namespace
       particles.seed();
       cloud      = std::make_unique<NodeCloud<dim>>(*mesh,
                                                scene.lme.gamma,
-                                               scene.lme.support_tolerance);
+                                               scene.lme.support_tolerance,
+                                               scene.n_layers());
       conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
       terms      = terms_of(scene);
       system     = std::make_unique<System<dim>>(*cloud,
@@ -44,6 +46,8 @@ namespace
       const bool gauss     = scene.has_fluid();
       const auto occupancy = find_occupancy(particles, *cloud, gauss);
       fill_material_points(particles, *cloud, occupancy, table);
+      if (scene.contact)
+        add_contact_pairs(*cloud, occupancy, table);
       system->reinit(occupancy, table);
       project(particles,
               table,
@@ -189,6 +193,13 @@ TEST(Tangent, WallFriction)
   text.replace(text.find(", viscosity"), 11, ", viscosity, wall friction");
   // So large that an error in its tangent shows.
   Problem<2> problem(text, {"Wall friction/Coefficient=1e6"});
+  check_direction(problem, false);
+}
+
+TEST(Tangent, Contact)
+{
+  // The lower block flies into the upper one, so that most pairs of nodes push.
+  Problem<2> problem(small_scenes::two_blocks(0.01));
   check_direction(problem, false);
 }
 

@@ -161,6 +161,40 @@ TEST(NodeCloudMPI, GhostValuesArriveAtTheirNodes)
   exchange_positions<3>(test::graded_domain<3>());
 }
 
+TEST(NodeCloudMPI, Layers)
+{
+  const auto mesh =
+    make_background_mesh(test::graded_domain<2>(), MPI_COMM_WORLD);
+  const unsigned int n_layers = 3;
+  const NodeCloud<2> one(*mesh, gamma_hat, tolerance);
+  const NodeCloud<2> cloud(*mesh, gamma_hat, tolerance, n_layers);
+  EXPECT_EQ(cloud.n_global(), n_layers * one.n_global());
+  ASSERT_EQ(cloud.size(), n_layers * one.size());
+  EXPECT_EQ(cloud.n_owned(), n_layers * one.n_owned());
+  for (unsigned int i = 0; i < cloud.size(); ++i)
+    {
+      EXPECT_EQ(cloud.in_layer(i, cloud.layer(i)), i);
+      const unsigned int first = cloud.in_layer(i, 0);
+      EXPECT_EQ(first / n_layers, i / n_layers);
+      EXPECT_EQ(cloud.global_index(i) - cloud.global_index(first),
+                cloud.layer(i));
+      EXPECT_EQ(cloud.position(i), one.position(i / n_layers));
+      EXPECT_EQ(cloud.spacing(i), one.spacing(i / n_layers));
+      EXPECT_EQ(cloud.volume(i), one.volume(i / n_layers));
+      EXPECT_EQ(cloud.n_cells_around(i), one.n_cells_around(i / n_layers));
+    }
+  for (const auto &cell : mesh->active_cell_iterators())
+    if (cell->is_locally_owned())
+      {
+        EXPECT_EQ(cloud.nodes_near(cell).size(),
+                  n_layers * one.nodes_near(cell).size());
+        for (unsigned int layer = 0; layer < n_layers; ++layer)
+          for (const unsigned int v : cell->vertex_indices())
+            EXPECT_EQ(cloud.corners(cell, layer)[v],
+                      n_layers * one.corners(cell)[v] + layer);
+      }
+}
+
 TEST(NodeCloudMPI, SpacingsAndBeta)
 {
   Domain<2> domain = test::graded_domain<2>();

@@ -8,7 +8,7 @@
 #include <deal.II/base/point.h>
 #include <deal.II/distributed/tria.h>
 #include <deal.II/dofs/dof_handler.h>
-#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_system.h>
 
 #include <array>
 #include <memory>
@@ -30,6 +30,9 @@ namespace selkie
    *
    * h_a is the smallest extent of the cells around the node.
    *
+   * Where bodies must not share nodes (the effect `contact`), every vertex has
+   * one node in each of several layers, with consecutive numbers.
+   *
    * The mesh is one of make_background_mesh(). Construction is collective;
    * everything else is local.
    */
@@ -42,7 +45,8 @@ namespace selkie
     NodeCloud(
       const dealii::parallel::distributed::Triangulation<dim> &triangulation,
       const double                                             lme_gamma,
-      const double                                             tolerance);
+      const double                                             tolerance,
+      const unsigned int                                       n_layers = 1);
 
     /// For functions that live on cells (hat functions): the halo holds the
     /// nodes of this rank's cells and of its ghost cells, any mesh will do,
@@ -81,6 +85,26 @@ namespace selkie
     dealii::types::global_dof_index
     global_index(const unsigned int node) const;
 
+    /// Number of nodes at each vertex.
+    unsigned int
+    n_layers() const
+    {
+      return layers;
+    }
+
+    unsigned int
+    layer(const unsigned int node) const
+    {
+      return node % layers;
+    }
+
+    /// The node at the same vertex in another layer.
+    unsigned int
+    in_layer(const unsigned int node, const unsigned int layer) const
+    {
+      return node - node % layers + layer;
+    }
+
     /// Number of nodes of the whole mesh.
     dealii::types::global_dof_index
     n_global() const;
@@ -95,7 +119,7 @@ namespace selkie
     /// The 2^dim corners of a locally owned cell, as local indices, in
     /// deal.II's vertex order.
     std::array<unsigned int, (1u << dim)>
-    corners(const Cell &cell) const;
+    corners(const Cell &cell, const unsigned int layer = 0) const;
 
     /// All nodes whose reach touches the box of a locally owned cell, as local
     /// indices. Sorted by position (the last coordinate varies slowest), so
@@ -134,7 +158,8 @@ namespace selkie
     const double                                             gamma;
     const double                                             reach_per_spacing;
     const dealii::parallel::distributed::Triangulation<dim> &mesh;
-    dealii::FE_Q<dim>                                        element;
+    const unsigned int                                       layers;
+    dealii::FESystem<dim>                                    element;
     dealii::DoFHandler<dim>                                  dofs;
     double                                                   smallest;
 

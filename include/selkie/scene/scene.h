@@ -108,6 +108,8 @@ namespace selkie
     /// Which points share nodes: all fluids are phase 0, each solid body is a
     /// phase of its own (1, 2, …).
     unsigned int phase = 0;
+    /// Which of the nodes at a vertex are the body's: NodeCloud::layer().
+    unsigned int layer = 0;
   };
 
   struct LmeParameters
@@ -357,6 +359,8 @@ namespace selkie
     std::optional<WallRelease<dim>>       release; ///< wall release
     std::optional<Adaptivity>             adaptivity;
     bool mixed_solids = false; ///< mixed pressure
+    /// The bodies that have nodes of their own: contact.
+    std::optional<std::vector<unsigned int>> contact;
     /// Walls of which a term wants the wetted faces' Gauss points; those that
     /// are not `slip` have none.
     std::optional<std::array<bool, 2 * dim>> wall_points;
@@ -369,6 +373,16 @@ namespace selkie
 
     /// The same as a .prm, which reads back as this scene: parameters.prm.
     std::string resolved;
+
+    /// Of nodes at each vertex.
+    unsigned int
+    n_layers() const
+    {
+      unsigned int n = 1;
+      for (const auto &body : bodies)
+        n = std::max(n, body.layer + 1);
+      return n;
+    }
 
     /// Whether the mesh moves with the matter: points stay in their cells and
     /// nodes keep displacement, velocity and acceleration of their own.

@@ -18,7 +18,7 @@ namespace selkie
    * where a second patch of fixed Gauss points integrates (quadrature.md,
    * section 3). The points of a loaded face of a finite element have `surface`
    * and nothing else, those of a wall that a fluid touches `surface` and
-   * `fluid`.
+   * `fluid`, pairs of nodes in contact (contact_pairs.h) `contact`.
    */
   struct PatchKind
   {
@@ -26,14 +26,15 @@ namespace selkie
     bool matter      = true;
     bool integration = true;
     bool surface     = false;
+    bool contact     = false;
 
-    static constexpr unsigned int n_kinds = 16;
+    static constexpr unsigned int n_kinds = 32;
 
     /// One number for each kind, less than n_kinds.
     unsigned int
     index() const
     {
-      return fluid + 2 * matter + 4 * integration + 8 * surface;
+      return fluid + 2 * matter + 4 * integration + 8 * surface + 16 * contact;
     }
   };
 

@@ -72,9 +72,10 @@ namespace selkie
     void
     forget();
 
-    /// Solves the problem by the solver that suits it. Throws
-    /// LinearSolverFailure, with the residual reached, when the direct solver
-    /// fails, too.
+    /// Solves the problem by the solver that suits it, or by the direct one if
+    /// that fails; the next ones, too, until forget(): what fails for one
+    /// matrix of a step fails for the next. Throws LinearSolverFailure, with
+    /// the residual reached, when the direct solver fails, too.
     LinearSolveReport
     solve(const LinearProblem<dim> &problem, Vector &x);
 
@@ -129,6 +130,7 @@ namespace selkie
     const std::function<void(const std::string &)> log;
     DirectSolver                                   direct;
     Multigrid                                      multigrid;
+    bool                                           gave_up = false;
   };
 
   std::string

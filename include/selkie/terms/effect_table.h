@@ -44,6 +44,8 @@ namespace selkie
   EffectRow
   prescribed_motion_effect();
   EffectRow
+  contact_effect();
+  EffectRow
   wall_friction_effect();
   EffectRow
   wall_release_effect();
