@@ -134,6 +134,7 @@ class Maker:
         self.probes()
         self.numerics()
         self.adaptivity()
+        self.own_nodes()
         if "prescribed motion" not in self.effects and self.moves:
             self.effects.append("prescribed motion")
         r.shuffle(self.effects)
@@ -383,6 +384,16 @@ class Maker:
                 self.set("Wall release/Walls", ", ".join(self.random.sample(held, self.random.randint(1, len(held)))))
             if self.maybe(0.3):
                 self.set("Wall release/Bodies", self.random.choice(list(self.boxes)))
+
+    def own_nodes(self):
+        if self.fluids or self.static or self.approximation != "lme mpm" or len(self.solids) < 2 \
+                or {"adaptivity", "mixed pressure"} & set(self.effects) or self.maybe(0.3):
+            return
+        self.effects.append("contact")
+        if self.maybe(0.3):
+            self.set("Contact/Bodies", self.random.choice(list(self.boxes)))
+        if self.maybe(0.3):
+            self.set("Contact/Penalty", self.log(1, 1e6))
 
     def solid_cures(self):
         laws = {self.scene.get(f"Bodies/{n}/Law") for n in self.boxes}
