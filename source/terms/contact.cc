@@ -178,7 +178,7 @@ namespace selkie
       }
 
     private:
-      double penalty = 100.;
+      double penalty = 1000.;
     };
   } // namespace
 

@@ -453,6 +453,16 @@ def discs(more=None):
                    (0.6 * math.sqrt(2) - 0.4) / (0.2 * math.sqrt(2)), 1 / 20 / 0.2, more)
 
 
+def stack(bench):
+    """Two blocks press on each other for 1000 steps: (overlap over h, energy gained
+    over m g h of the upper block)."""
+    s = bench.run(HERE / "stack.prm", {"Time/End time": 2})
+    lower, upper = bench.probe("lower"), bench.probe("upper")
+    overlap = [a - b + 1 / 32 for a, b in zip(lower["max y"], upper["min y"])]  # of points h / 4 inside
+    total = energy(s)
+    return [max(overlap) * 16, max(0, max(total) - total[0]) / (1000 / 16 * 9.81 / 4)]
+
+
 def corner_impact(bench):
     """A disc flies along the diagonal into a corner: (farthest behind a wall over h,
     energy gained, difference of the momenta over their start, 0 if it comes back)."""
@@ -888,6 +898,9 @@ CASES = [
           ("two_discs_shared_nodes", discs({"Effects": "inertia, probes"}), 2, (LME, MPM), False),
           ("two_rings", meeting("colliding_rings.prm", ("left_ring", "right_ring"), 6.868,
                                 1e-3 / 6.868, 2.5e-3 / 13.736), 0.5, (LME,), True))),
+    Case("stack", "Contact", stack,
+         [("overlap of the blocks / h", 0.1, "a fifth of the distance of points: practice"),
+          ("energy gained / (m g h)", 1e-3, GROWTH)]),
     Case("corner_impact", "Contact", corner_impact,
          [("farthest behind a wall / h", 1e-9, "practice"), ("energy gained", 1e-3, GROWTH),
           ("momenta x - y, over start", 1e-9, "mirror symmetry"), ("0 if it comes back", 0, "elastic")],
