@@ -44,4 +44,12 @@ namespace selkie
              const Settings    &settings,
              const std::string &folder,
              const std::string &program);
+
+  /// Runs a member that has been run once more; the faster of the two is from
+  /// now on what it cost. Its files stay those that run_member() left.
+  MemberResult
+  time_again(const Study       &study,
+             const Settings    &settings,
+             const std::string &folder,
+             const std::string &program);
 } // namespace selkie
