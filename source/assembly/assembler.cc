@@ -275,6 +275,7 @@ namespace selkie
         field.local_element(i) = newmark_rule(fields.x.local_element(i),
                                               fields.v_n.local_element(i),
                                               fields.a_n.local_element(i));
+      field.set_ghost_state(true); // computed, not sent
     };
     if (use.velocity_gradient || use.velocity)
       update(velocity, [&](const double du, const double v, const double a) {

@@ -36,6 +36,8 @@ namespace selkie
             dv.local_element(i) = v.local_element(i) - v_n;
             a.local_element(i)  = newmark.acceleration(x, v_n, a_n);
           }
+        for (const Vector *field : {&v, &dv, &a})
+          field->set_ghost_state(true); // computed, not sent
       }
     };
 
