@@ -104,9 +104,9 @@ end
   }
 
   /// Two elastic blocks on an oblique line, with a gap (m) between faces across
-  /// y: the lower one flies towards the upper one.
+  /// y; the lower one flies towards the upper one at a speed (m/s).
   inline std::string
-  two_blocks(const double gap)
+  two_blocks(const double gap, const double speed = 20.)
   {
     std::string text = free_block();
     text.replace(text.find("= inertia"), 9, "= inertia, contact");
@@ -130,7 +130,9 @@ end
     text.replace(from,
                  to - from,
                  "  set Names = lower, upper\n" +
-                   body("lower", "box(0.3, 0.2, 0.7, 0.5)", "0.2; 20") +
+                   body("lower",
+                        "box(0.3, 0.2, 0.7, 0.5)",
+                        "0.2; " + std::to_string(speed)) +
                    body("upper", "box(0.4, " + middle + ", 0.8, 0.8)", "0; 0") +
                    "end\n");
     return text;

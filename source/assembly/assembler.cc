@@ -363,20 +363,16 @@ namespace selkie
     return true;
   }
 
-  /// The forms of the present patch with the hat functions of its cell. Pairs
-  /// of nodes in contact are what they are with any functions.
+  /// The forms of the present patch with the hat functions of its cell.
   template <int dim>
   void
   Assembler<dim>::add_hats(const Kernel &kernel)
   {
-    if (state.patch->contact)
-      {
-        hat_tangent.add(unknowns, dense);
-        return;
-      }
     const PatchState<dim> &hats = hat_patch.of(state, system.cloud);
     hat_dense.reinit(*hats.patch, kernel.with_pressure);
-    number_unknowns(hats.table->nodes.data(), hat_dense, hat_unknowns);
+    number_unknowns(hats.table->nodes.data() + hats.patch->first_node,
+                    hat_dense,
+                    hat_unknowns);
     for (const auto step : kernel.block)
       (hat_dense.*step)(hats);
     hat_tangent.add(hat_unknowns, hat_dense);

@@ -45,6 +45,8 @@ namespace selkie
   const PatchState<dim> &
   HatPatch<dim>::of(const PatchState<dim> &state, const NodeCloud<dim> &cloud)
   {
+    if (state.patch->contact) // the same with any functions
+      return state;
     constexpr unsigned int n    = GeometryInfo<dim>::vertices_per_cell;
     const auto            &cell = state.patch->cell;
     const unsigned int     node = state.table->nodes[state.patch->first_node];

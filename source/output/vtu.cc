@@ -5,6 +5,8 @@
 #include <selkie/output/files.h>
 #include <selkie/output/vtu.h>
 
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
 #include <deal.II/numerics/data_out.h>
 
 #include <algorithm>
@@ -215,39 +217,103 @@ namespace selkie
     }
 
 
-    /// deal.II's DataOut, with several scalar fields shown as one vector.
+    /// The nodes of one layer, numbered as if there were no other.
+    template <int dim>
+    class Layer
+    {
+    public:
+      Layer(const NodeCloud<dim> &cloud, const unsigned int layer)
+        : dofs(cloud.dof_handler().get_triangulation())
+        , n_layers(cloud.n_layers())
+        , layer(layer)
+      {
+        dofs.distribute_dofs(dealii::FE_Q<dim>(1));
+        dealii::DoFTools::extract_locally_relevant_dofs(dofs, relevant);
+      }
+
+      typename NodalOutput<dim>::Field
+      part_of(const typename NodalOutput<dim>::Field &all) const
+      {
+        typename NodalOutput<dim>::Field part(dofs.locally_owned_dofs(),
+                                              relevant,
+                                              all.get_mpi_communicator());
+        for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
+          part.local_element(i) = all.local_element(i * n_layers + layer);
+        part.update_ghost_values();
+        return part;
+      }
+
+      dealii::DoFHandler<dim> dofs;
+
+    private:
+      const unsigned int n_layers, layer;
+      dealii::IndexSet   relevant;
+    };
+
+
+    /// deal.II's DataOut, with several scalar fields shown as one vector, and a
+    /// set of fields for each layer of nodes.
     template <int dim>
     class NodalPatches : public dealii::DataOut<dim>
     {
     public:
       explicit NodalPatches(const NodalOutput<dim> &output)
       {
-        const auto  &dofs = output.cloud->dof_handler();
-        unsigned int next = 0;
+        const NodeCloud<dim> &cloud = *output.cloud;
+        if (cloud.n_layers() == 1)
+          add(
+            output, cloud.dof_handler(), "", [](const auto &all) -> auto & {
+              return all;
+            });
+        std::vector<std::unique_ptr<const Layer<dim>>> layers;
+        for (unsigned int l = 0; cloud.n_layers() > 1 && l < cloud.n_layers();
+             ++l)
+          {
+            layers.push_back(std::make_unique<const Layer<dim>>(cloud, l));
+            add(output,
+                layers[l]->dofs,
+                " of layer " + std::to_string(l),
+                [&](const auto &all) { return layers[l]->part_of(all); });
+          }
+        this->build_patches();
+        this->clear_input_data_references(); // of the layers
+      }
+
+    private:
+      /// @param part_of the field of these nodes, of a whole one
+      template <typename PartOf>
+      void
+      add(const NodalOutput<dim>        &output,
+          const dealii::DoFHandler<dim> &dofs,
+          const std::string             &which,
+          const PartOf                  &part_of)
+      {
         for (const auto &[name, values] : output.vectors)
           {
             for (unsigned int i = 0; i < dim; ++i)
               this->add_data_vector(dofs,
-                                    values[i],
-                                    name + '_' + std::to_string(i));
-            ranges.emplace_back(next,
-                                next + dim - 1,
-                                name,
+                                    part_of(values[i]),
+                                    name + which + '_' + std::to_string(i));
+            ranges.emplace_back(n_fields,
+                                n_fields + dim - 1,
+                                name + which,
                                 interpretation(dim, dim));
-            next += dim;
+            n_fields += dim;
           }
         for (const auto &[name, values] : output.scalars)
-          this->add_data_vector(dofs, values, name);
-        this->build_patches();
+          {
+            this->add_data_vector(dofs, part_of(values), name + which);
+            ++n_fields;
+          }
       }
 
-    private:
       std::vector<Range>
       get_nonscalar_data_ranges() const override
       {
         return ranges;
       }
 
+      unsigned int       n_fields = 0; ///< so far
       std::vector<Range> ranges;
     };
 

@@ -18,7 +18,8 @@ namespace selkie
     /// p = d max(0, v . n - max(0, gap) / dt), without friction. The damping
     /// d = C m (1 / dt + c^2 dt / h^2), with the pair's reduced mass and the
     /// least speed of sound of the scene, is C times what mass and stiffness
-    /// hold against it, so that a share of about 1 / C of the speed is left.
+    /// hold against it, so that a share of about 1 / C of the speed is left
+    /// (theory.md, S.8).
     template <int dim>
     class ContactTerm : public Term<dim>
     {

@@ -227,3 +227,47 @@ TEST(VtuMPI, MeshHasNodalFields)
   EXPECT_EQ(names.size(), 2u);
   EXPECT_EQ(names.count("pressure") + names.count("velocity"), 2u);
 }
+
+TEST(VtuMPI, EachLayerOfNodesHasFieldsOfItsOwn)
+{
+  const OutputFolder folder;
+  Matter<2>          matter(two_blocks<2>());
+  NodeCloud<2>       cloud(*matter.mesh, 3., 1e-6, 2);
+
+  using Field = NodalOutput<2>::Field;
+  NodalOutput<2> output;
+  output.cloud     = &cloud;
+  const auto field = [&cloud](const double factor) {
+    Field f(cloud.partitioner());
+    for (unsigned int node = 0; node < cloud.n_owned(); ++node)
+      f.local_element(node) =
+        factor * cloud.position(node)[0] + 10. * cloud.layer(node);
+    f.update_ghost_values();
+    return f;
+  };
+  output.scalars.emplace_back("pressure", field(1.));
+  output.vectors.emplace_back("velocity",
+                              std::array<Field, 2>{{field(2.), field(3.)}});
+
+  VtuWriter<2> writer(folder.path, matter.particles);
+  writer.write(0., 0, &output);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const auto files = read_pvd(folder.path + "/mesh.pvd");
+  ASSERT_EQ(files.size(), 1u);
+  const PointData data = read_points(files[0].second);
+  EXPECT_GT(data.positions.size(), 0u);
+  for (unsigned int l = 0; l < 2; ++l)
+    {
+      const std::string       which = " of layer " + std::to_string(l);
+      const PointField *const p     = data.find("pressure" + which);
+      const PointField *const v     = data.find("velocity" + which);
+      ASSERT_TRUE(p && v);
+      for (std::size_t node = 0; node < data.positions.size(); ++node)
+        {
+          const double x = data.positions[node][0];
+          EXPECT_NEAR((*p)(node), x + 10. * l, 1e-6);
+          EXPECT_NEAR((*v)(node, 0), 2. * x + 10. * l, 1e-6);
+          EXPECT_NEAR((*v)(node, 1), 3. * x + 10. * l, 1e-6);
+        }
+    }
+}

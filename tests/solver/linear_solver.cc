@@ -57,15 +57,26 @@ namespace
       system->matrix().add(i, j, value);
     }
 
+    LinearSolver<2>
+    solver()
+    {
+      return LinearSolver<2>(scene.linear_solver,
+                             [this](const std::string &text) { log = text; });
+    }
+
+    LinearSolveReport
+    solve_by(LinearSolver<2> &solver)
+    {
+      return solver.solve(
+        {*system, SystemTraits(), rhs, scene.linear_solver.tolerance}, x);
+    }
+
     LinearSolveReport
     solve()
     {
       system->matrix().compress();
-      LinearSolver<2>    solver(scene.linear_solver,
-                             [this](const std::string &text) { log = text; });
-      const SystemTraits traits;
-      return solver.solve({*system, traits, rhs, scene.linear_solver.tolerance},
-                          x);
+      auto solver = this->solver();
+      return solve_by(solver);
     }
 
     double
@@ -130,6 +141,25 @@ TEST(LinearSolverMPI, TheDirectSolverTakesOverAndSaysSo)
                 std::string::npos)
         << kind << ": " << problem.log;
     }
+}
+
+TEST(LinearSolverMPI, WhatFailedIsNotTriedAgainBeforeTheNextStep)
+{
+  Problem problem({"Linear solver/Solver=cg jacobi"});
+  make_skew(problem);
+  problem.system->matrix().compress();
+  auto       solver = problem.solver();
+  const auto solve  = [&] {
+    problem.log.clear();
+    const auto report = problem.solve_by(solver);
+    EXPECT_LE(problem.true_residual(), 1e-8);
+    EXPECT_TRUE(report.fell_back);
+    return problem.log;
+  };
+  EXPECT_NE(solve().find("takes over for this step"), std::string::npos);
+  EXPECT_EQ(solve(), ""); // straight to the direct one
+  solver.forget();
+  EXPECT_NE(solve().find("takes over for this step"), std::string::npos);
 }
 
 TEST(LinearSolverMPI, TooFewIterationsAreSaid)
