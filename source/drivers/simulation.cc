@@ -18,8 +18,8 @@ namespace selkie
 
   namespace
   {
-    /// Mesh, points and nodes of a scene: at t = 0, or as a checkpoint has
-    /// them.
+    /// Mesh, points and nodes of a scene: at t = 0, or, with the name of one,
+    /// as a checkpoint has them.
     template <int dim>
     struct Setup
     {
@@ -30,15 +30,29 @@ namespace selkie
         , particles(scene, *mesh)
       {
         if (checkpoint.empty())
-          {
-            particles.seed();
-            if (scene.adaptivity)
-              adapt_to_seeds();
-            for (const auto &active : scene.effects)
-              active.effect->start(particles);
-          }
+          seed();
         else
-          state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
+          read(checkpoint);
+      }
+
+      void
+      seed()
+      {
+        particles.seed();
+        if (particles.scene.adaptivity)
+          adapt_to_seeds();
+        for (const auto &active : particles.scene.effects)
+          active.effect->start(particles);
+        make_cloud();
+      }
+
+      /// Takes everything from a checkpoint; what hangs on the mesh must be
+      /// gone before.
+      void
+      read(const std::string &checkpoint)
+      {
+        cloud.reset();
+        state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
         make_cloud();
       }
 
@@ -149,10 +163,38 @@ namespace selkie
                    stepper->kept_fields());
       if (!change(carried))
         return;
-      const auto before = std::move(stepper);
+      KeptNumbers      numbers = stepper->kept_numbers();
+      const CostLedger costs   = stepper->costs();
+      numbers.moved            = 0.;
+      stepper.reset();
       setup.make_cloud();
       stepper = make_stepper(setup, timers, log);
-      stepper->go_on_from(carried, before->kept_numbers(), before->costs());
+      stepper->go_on_from(carried, numbers, costs);
+    }
+
+    /// Goes on from a checkpoint that was just written, as a resumed run does:
+    /// so both are the same, to the bit. deal.II numbers cells by the history
+    /// of the mesh, and a sum over cells or points depends on their order. On
+    /// one rank, on a mesh that stays as it is, there is no history.
+    template <int dim>
+    void
+    go_on_from_checkpoint(const std::string             &folder,
+                          Setup<dim>                    &setup,
+                          std::unique_ptr<Stepper<dim>> &stepper,
+                          TimerTree                     &timers,
+                          Log                           &log)
+    {
+      if (Utilities::MPI::n_mpi_processes(setup.particles.communicator()) ==
+            1 &&
+          !setup.particles.scene.adaptivity)
+        return;
+      TimerTree::Scope  scope(timers, "checkpoint");
+      const KeptNumbers numbers = stepper->kept_numbers();
+      const CostLedger  costs   = stepper->costs();
+      stepper.reset();
+      setup.read(folder);
+      stepper = make_stepper(setup, timers, log);
+      stepper->go_on_from(setup.nodal_fields, numbers, costs);
     }
 
     /// Adapts the mesh to the matter at @p t, after a step of size @p dt.
@@ -192,23 +234,17 @@ namespace selkie
       return report;
     }
 
-    /// Whether to share the points out anew: where they are spread unevenly,
-    /// and before a checkpoint, as a resumed run gets its cells that way and is
-    /// to be the same. The points of a Lagrangian mesh do not move.
+    /// Whether to share the points out anew, as they are spread unevenly. The
+    /// points of a Lagrangian mesh do not move; who adapts shares out, too.
     template <int dim>
     bool
-    shares_out_now(const ParticleSet<dim> &particles,
-                   const TimeControl      &time,
-                   const bool              keeps)
+    shares_out_now(const ParticleSet<dim> &particles, const TimeControl &time)
     {
-      const Scene<dim> &scene = particles.scene;
-      if (Utilities::MPI::n_mpi_processes(particles.communicator()) == 1 ||
-          scene.lagrangian_mesh() || time.at_end())
-        return false;
+      const Scene<dim>  &scene = particles.scene;
       const unsigned int every = scene.domain.balance_steps;
-      return keeps ||
-             (every > 0 && time.number() % every == 0 && !scene.adaptivity &&
-              particles.imbalance() > most_imbalance);
+      return every > 0 && time.number() % every == 0 && !time.at_end() &&
+             !scene.lagrangian_mesh() && !scene.adaptivity &&
+             particles.imbalance() > most_imbalance;
     }
 
     /// Shares the points out among the ranks anew.
@@ -345,11 +381,15 @@ namespace selkie
                                         failure.what());
               return 2;
             }
-        const bool keep = output.checkpoint_is_due(time);
-        if (shares_out_now(particles, time, keep))
+        if (shares_out_now(particles, time))
           balance(*setup, stepper, timers, log);
-        if (keep)
-          output.write_checkpoint(particles, *stepper, *setup->mesh, time);
+        if (output.checkpoint_is_due(time))
+          {
+            const std::string folder =
+              output.write_checkpoint(particles, *stepper, *setup->mesh, time);
+            if (!time.at_end())
+              go_on_from_checkpoint(folder, *setup, stepper, timers, log);
+          }
       }
     output.finish(particles, *stepper, time);
     return 0;

@@ -555,7 +555,7 @@ namespace selkie
                            const KeptNumbers        &numbers,
                            const CostLedger         &costs)
   {
-    restore(fields, {numbers.volume_excess, 0.});
+    restore(fields, numbers);
     assembler.go_on_from(costs);
   }
 

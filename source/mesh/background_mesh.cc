@@ -73,17 +73,8 @@ namespace selkie
       dealii::Triangulation<dim>::limit_level_difference_at_vertices,
       Mesh::communicate_vertices_to_p4est);
 
+    reset_to_coarse_cells(domain, *mesh);
     const unsigned int base = base_level(domain);
-    if (domain.mesh)
-      make_coarse_mesh(*domain.mesh, *mesh);
-    else
-      {
-        std::vector<unsigned int> repetitions;
-        for (const unsigned int n : domain.cells)
-          repetitions.push_back(n >> base);
-        dealii::GridGenerator::subdivided_hyper_rectangle(
-          *mesh, repetitions, domain.lower, domain.upper, /*colorize=*/true);
-      }
     mesh->refine_global(base);
 
     unsigned int most_levels = 0;
@@ -99,6 +90,25 @@ namespace selkie
         mesh->execute_coarsening_and_refinement();
       }
     return mesh;
+  }
+
+
+  template <int dim>
+  void
+  reset_to_coarse_cells(const Domain<dim> &domain,
+                        dealii::parallel::distributed::Triangulation<dim> &mesh)
+  {
+    mesh.clear();
+    if (domain.mesh)
+      {
+        make_coarse_mesh(*domain.mesh, mesh);
+        return;
+      }
+    std::vector<unsigned int> repetitions;
+    for (const unsigned int n : domain.cells)
+      repetitions.push_back(n >> base_level(domain));
+    dealii::GridGenerator::subdivided_hyper_rectangle(
+      mesh, repetitions, domain.lower, domain.upper, /*colorize=*/true);
   }
 
 
@@ -125,12 +135,14 @@ namespace selkie
   }
 
 
-#define INSTANTIATE(dim)                                                      \
-  template std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>> \
-  make_background_mesh(const Domain<dim> &, const MPI_Comm);                  \
-  template unsigned int base_level(const Domain<dim> &);                      \
-  template unsigned int refined_level<dim>(                                   \
-    const Domain<dim> &,                                                      \
+#define INSTANTIATE(dim)                                                       \
+  template std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>  \
+                make_background_mesh(const Domain<dim> &, const MPI_Comm);     \
+  template void reset_to_coarse_cells(                                         \
+    const Domain<dim> &, dealii::parallel::distributed::Triangulation<dim> &); \
+  template unsigned int base_level(const Domain<dim> &);                       \
+  template unsigned int refined_level<dim>(                                    \
+    const Domain<dim> &,                                                       \
     const dealii::Triangulation<dim>::active_cell_iterator &)
   INSTANTIATE(2);
   INSTANTIATE(3);

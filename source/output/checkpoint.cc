@@ -2,6 +2,7 @@
 #define BOOST_BIND_GLOBAL_PLACEHOLDERS
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
+#include <selkie/mesh/background_mesh.h>
 #include <selkie/output/checkpoint.h>
 #include <selkie/output/files.h>
 #include <selkie/output/json.h>
@@ -330,6 +331,9 @@ namespace selkie
       }
     throw_on_all_ranks<SceneError>(comm, failure);
 
+    nodal_fields.dofs.clear();
+    particles.handler().clear();
+    reset_to_coarse_cells(particles.scene.domain, mesh);
     mesh.load(folder + "/mesh");
     std::istringstream            counters(read_text(folder + "/points"));
     boost::archive::text_iarchive archive(counters);

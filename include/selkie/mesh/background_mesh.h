@@ -22,6 +22,15 @@ namespace selkie
   std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
   make_background_mesh(const Domain<dim> &domain, const MPI_Comm comm);
 
+  /// Leaves of such a mesh, whatever it is now, only the cells of p4est's
+  /// trees, without any history: what is made of them next has its cells in
+  /// the order that a program just started would give them. Collective.
+  template <int dim>
+  void
+  reset_to_coarse_cells(
+    const Domain<dim>                                 &domain,
+    dealii::parallel::distributed::Triangulation<dim> &mesh);
+
   /// The level of the cells that Domain::cells counts.
   template <int dim>
   unsigned int

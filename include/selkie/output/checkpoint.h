@@ -62,8 +62,9 @@ namespace selkie
 
   /**
    * Takes mesh, material points and the nodes' fields from a checkpoint, on any
-   * number of ranks. The mesh is as make_background_mesh() gave it, the set has
-   * no points yet. What hangs on the mesh must be built afterwards. Collective.
+   * number of ranks; what they were before is gone, so that the same file gives
+   * the same, to the order of the cells. What hangs on the mesh must be gone
+   * before and built afterwards. Collective.
    * @param folder of the checkpoint
    * @param nodal_fields filled, to the bit as they were written
    * @throw SceneError, on all ranks, if it is unreadable, or if its points do
