@@ -162,6 +162,8 @@ namespace selkie
     so_far.largest_error = std::max(so_far.largest_error, report.time_error);
     last_dt              = dt;
     so_far.unknowns      = std::max(so_far.unknowns, report.unknowns);
+    so_far.nonzeros      = std::max<unsigned long long>(
+      so_far.nonzeros, stepper.system().matrix().n_nonzero_elements());
     if (audit)
       audit->record(time.now(), report);
     write_row(particles, stepper, time, dt, report);
@@ -348,7 +350,7 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::close(const ParticleSet<dim> &particles,
-                        const Stepper<dim>     &stepper,
+                        const Stepper<dim>     *stepper,
                         const TimeControl      &time,
                         const std::string      &failure)
   {
@@ -359,7 +361,7 @@ namespace selkie
     summary.ranks           = Utilities::MPI::n_mpi_processes(comm);
     summary.points          = particles.handler().n_global_particles();
     summary.unknowns        = so_far.unknowns;
-    summary.nonzeros        = stepper.system().matrix().n_nonzero_elements();
+    summary.nonzeros        = so_far.nonzeros;
     summary.bytes_per_point = 8 * particles.fields.n_components();
     summary.steps           = time.number();
     summary.end_time        = time.now();
@@ -372,11 +374,13 @@ namespace selkie
     summary.accounting = particles.accounting;
     summary.wall_time  = so_far.wall + timers.wall_time();
     summary.timings    = timers.rows();
-    summary.costs      = costs(stepper, comm);
+    if (stepper != nullptr)
+      summary.costs = costs(*stepper, comm);
     if (scene.time.estimate_error && time.number() > 0)
       {
-        const RecoveryError space = stepper.spatial_error(last_dt);
-        const auto          share = [](const double part, const double whole) {
+        const RecoveryError space =
+          failure.empty() ? stepper->spatial_error(last_dt) : RecoveryError();
+        const auto share = [](const double part, const double whole) {
           return whole > 0. ? part / whole : 0.;
         };
         summary.errors = {so_far.error,
@@ -409,7 +413,7 @@ namespace selkie
                          const Stepper<dim>     &stepper,
                          const TimeControl      &time)
   {
-    close(particles, stepper, time, "");
+    close(particles, &stepper, time, "");
     log.line("Time step ruled by " + time.rules());
     log.line(format("Done      %u steps to t = %g s in %s, %u cuts",
                     time.number(),
@@ -477,7 +481,7 @@ namespace selkie
                        const std::string                         &why)
   {
     const std::string folder = write_checkpoint(particles, stepper, mesh, time);
-    close(particles, stepper, time, why);
+    close(particles, &stepper, time, why);
     log.line(format("Failed    at t = %g s, with the smallest time step "
                     "%.3g s:",
                     time.now(),
@@ -489,11 +493,10 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::fail_between_steps(const ParticleSet<dim> &particles,
-                                     const Stepper<dim>     &stepper,
                                      const TimeControl      &time,
                                      const std::string      &why)
   {
-    close(particles, stepper, time, why);
+    close(particles, nullptr, time, why);
     if (time.number() > 0)
       {
         log.line(

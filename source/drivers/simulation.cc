@@ -348,7 +348,7 @@ namespace selkie
         }
       catch (const NumericalFailure &failure)
         {
-          output.fail_between_steps(particles, *stepper, time, failure.what());
+          output.fail_between_steps(particles, time, failure.what());
           return 2;
         }
     while (!time.at_end())
@@ -375,10 +375,7 @@ namespace selkie
             }
           catch (const NumericalFailure &failure)
             {
-              output.fail_between_steps(particles,
-                                        *stepper,
-                                        time,
-                                        failure.what());
+              output.fail_between_steps(particles, time, failure.what());
               return 2;
             }
         if (shares_out_now(particles, time))

@@ -90,10 +90,10 @@ namespace selkie
          const std::string                                 &why);
 
     /// The same at the start and while the mesh is adapted, when there is no
-    /// good state to keep: that is the scene, or the last checkpoint.
+    /// good state to keep (that is the scene, or the last checkpoint) and no
+    /// stepper that fits the mesh.
     void
     fail_between_steps(const ParticleSet<dim> &particles,
-                       const Stepper<dim>     &stepper,
                        const TimeControl      &time,
                        const std::string      &why);
 
@@ -125,9 +125,10 @@ namespace selkie
     record_effects(const double           time,
                    const Stepper<dim>    &stepper,
                    const WallForces<dim> &walls);
+    /// @param stepper nullptr if there is none
     void
     close(const ParticleSet<dim> &particles,
-          const Stepper<dim>     &stepper,
+          const Stepper<dim>     *stepper,
           const TimeControl      &time,
           const std::string      &failure);
 

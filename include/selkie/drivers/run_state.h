@@ -28,6 +28,7 @@ namespace selkie
     double error = 0, largest_error = 0, path = 0;
 
     unsigned long long  unknowns    = 0; ///< most in any step
+    unsigned long long  nonzeros    = 0; ///< of the matrix, most in any step
     double              next_fields = 0; ///< s
     std::vector<double> next_records;    ///< of the recorders (s)
 
@@ -111,6 +112,7 @@ namespace boost
       ar &s.largest_error;
       ar &s.path;
       ar &s.unknowns;
+      ar &s.nonzeros;
       ar &s.next_fields;
       ar &s.next_records;
       ar &s.particle_files;

@@ -22,7 +22,7 @@ namespace selkie
     unsigned long long points          = 0;
     unsigned long long unknowns        = 0; ///< most in any step
     unsigned int       bytes_per_point = 0; ///< of particle columns
-    unsigned long long nonzeros        = 0; ///< of the last matrix
+    unsigned long long nonzeros        = 0; ///< of the matrix, most in any step
     unsigned int       steps           = 0;
     double             end_time        = 0; ///< reached (s)
 
