@@ -1,17 +1,28 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/solver/direct_solver.h>
 
+#include <Amesos_Klu.h>
 #include <Amesos_Mumps.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_LinearProblem.h>
 #include <Epetra_Vector.h>
 #include <Teuchos_ParameterList.hpp>
 
+#include <string>
+#include <utility>
+
 namespace selkie
 {
   using namespace dealii;
 
-  /// MUMPS with the problem that it refers to.
+  namespace
+  {
+    /// On several ranks MUMPS adds up what they send as it arrives, so that no
+    /// run is like the other; up to so many unknowns one rank does it alone.
+    constexpr int most_unknowns_on_one_rank = 1000;
+  } // namespace
+
+  /// MUMPS, or KLU on one rank for all, with the problem that it refers to.
   class DirectSolver::Factors
   {
   public:
@@ -21,24 +32,35 @@ namespace selkie
       : matrix(K)
       , symmetric(symmetric)
       , room(room)
-      , mumps(problem)
     {
-      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&K->epetra()));
+      const Epetra_CrsMatrix &epetra = K->epetra();
+      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&epetra));
+      if (epetra.Comm().NumProc() > 1 &&
+          epetra.NumGlobalRows() <= most_unknowns_on_one_rank)
+        {
+          solver   = std::make_unique<Amesos_Klu>(problem);
+          klu_says = solver->SymbolicFactorization();
+          return;
+        }
+      auto with_mumps = std::make_unique<Amesos_Mumps>(problem);
+      mumps           = with_mumps.get();
+      solver          = std::move(with_mumps);
       Teuchos::ParameterList list;
       list.set("OutputLevel", 0);
       list.set("MatrixProperty", symmetric ? "symmetric" : "general");
-      mumps.SetParameters(list);
+      mumps->SetParameters(list);
       constexpr int relaxation_of_room = 14; // ICNTL(14)
-      mumps.SetICNTL(relaxation_of_room, room);
-      mumps.SymbolicFactorization();
+      mumps->SetICNTL(relaxation_of_room, room);
+      mumps->SymbolicFactorization();
     }
 
-    /// @return MUMPS's INFOG(1), negative on failure; alike on all ranks.
+    /// @return the solver's error (MUMPS's INFOG(1)), negative on failure;
+    /// alike on all ranks.
     int
     factorise()
     {
       if (error() >= 0)
-        mumps.NumericFactorization();
+        klu_says = solver->NumericFactorization();
       return error();
     }
 
@@ -53,10 +75,31 @@ namespace selkie
       auto        rhs      = view(K.OperatorRangeMap(), b);
       problem.SetLHS(&solution);
       problem.SetRHS(&rhs);
-      mumps.Solve();
+      klu_says = solver->Solve();
       problem.SetLHS(nullptr);
       problem.SetRHS(nullptr);
       return error();
+    }
+
+    const char *
+    name() const
+    {
+      return mumps != nullptr ? "MUMPS" : "KLU";
+    }
+
+    bool
+    too_little_room()
+    {
+      const int e = error();
+      return mumps != nullptr &&
+             (e == -8 || e == -9); // for integers, for reals
+    }
+
+    bool
+    singular()
+    {
+      return error() ==
+             (mumps != nullptr ? -10 : NumericallySingularMatrixError);
     }
 
     const std::shared_ptr<const SystemMatrix> matrix;
@@ -68,11 +111,13 @@ namespace selkie
     int
     error()
     {
-      return mumps.GetINFOG()[0];
+      return mumps != nullptr ? mumps->GetINFOG()[0] : klu_says;
     }
 
-    Epetra_LinearProblem problem;
-    Amesos_Mumps         mumps;
+    Epetra_LinearProblem               problem;
+    std::unique_ptr<Amesos_BaseSolver> solver;
+    Amesos_Mumps                      *mumps    = nullptr; ///< if it is that
+    int                                klu_says = 0;
   };
 
   DirectSolver::DirectSolver() = default;
@@ -87,12 +132,9 @@ namespace selkie
     if (!factors || factors->matrix != K || factors->symmetric != symmetric)
       factors = std::make_unique<Factors>(K, symmetric, room);
 
-    const auto too_little_room = [](const int error) {
-      return error == -8 || error == -9; // for integers, for reals
-    };
     constexpr int most_room = 5000; // percent
     int           error     = factors->factorise();
-    while (too_little_room(error) && factors->room < most_room)
+    while (factors->too_little_room() && factors->room < most_room)
       {
         const int more = 2 * (100 + factors->room) - 100;
         factors        = std::make_unique<Factors>(K, symmetric, more);
@@ -100,10 +142,12 @@ namespace selkie
       }
     if (error >= 0) // above zero: a warning
       return;
+    const std::string what = std::string(factors->name()) +
+                             " cannot factorise the matrix (its error " +
+                             std::to_string(error) +
+                             (factors->singular() ? ": it is singular)" : ")");
     factors.reset();
-    throw LinearSolverFailure("MUMPS cannot factorise the matrix (its error " +
-                              std::to_string(error) +
-                              (error == -10 ? ": it is singular)" : ")"));
+    throw LinearSolverFailure(what);
   }
 
   void
@@ -111,8 +155,8 @@ namespace selkie
   {
     const int error = factors->solve(x, b);
     if (error < 0)
-      throw LinearSolverFailure("MUMPS cannot solve with its factors (its "
-                                "error " +
+      throw LinearSolverFailure(std::string(factors->name()) +
+                                " cannot solve with its factors (its error " +
                                 std::to_string(error) + ")");
   }
 } // namespace selkie

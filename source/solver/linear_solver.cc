@@ -32,7 +32,7 @@ namespace selkie
         case SolverKind::minres_jacobi:
           return "MINRES with Jacobi";
         case SolverKind::direct:
-          return "direct (MUMPS)";
+          return "direct solver";
       }
     return "";
   }

@@ -7,7 +7,9 @@
 namespace selkie
 {
   /**
-   * MUMPS, through Amesos. What deal.II's SolverDirect does not do:
+   * MUMPS, through Amesos; on several ranks KLU for small systems, since MUMPS
+   * does not give the same to the last digit there, run for run. What deal.II's
+   * SolverDirect does not do:
    *
    * - What MUMPS found out about a sparsity pattern is kept as long as the
    *   pattern is the same, and of a symmetric matrix it factorises one half.
@@ -25,14 +27,14 @@ namespace selkie
     /// last one is kept as long as its factors are, which refer to it.
     /// @param symmetric only the lower triangle of K is read
     /// @param room in percent beyond MUMPS's own estimate
-    /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.
+    /// @throw LinearSolverFailure, on all ranks, with the solver's error code.
     void
     factorise(const std::shared_ptr<const SystemMatrix> &K,
               const bool                                 symmetric,
               const int                                  room = 50);
 
     /// x = K^{-1} b as well as the factors know it. Collective.
-    /// @throw LinearSolverFailure, on all ranks, with MUMPS's error code.
+    /// @throw LinearSolverFailure, on all ranks, with the solver's error code.
     void
     vmult(Vector &x, const Vector &b);
 

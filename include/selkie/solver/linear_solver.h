@@ -52,7 +52,7 @@ namespace selkie
    * below acoustic CFL 10 and multigrid above (TwoLevel for LME, ML for hat
    * functions); GMRES with the block triangular preconditioner for mixed
    * systems; the direct solver for small ones. On breakdown, stagnation or NaN
-   * the direct solver (MUMPS) takes over, and says so. Every result, the direct
+   * the direct solver takes over, and says so. Every result, the direct
    * one too, is judged by its true residual: |rhs - K x| <= tolerance |rhs|,
    * or it is refined until it is.
    */
