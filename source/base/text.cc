@@ -15,8 +15,9 @@ namespace selkie
   std::string
   time_span(const double seconds)
   {
-    return seconds < 10.     ? format("%.1f s", seconds)
-           : seconds < 120.  ? format("%.0f s", seconds)
+    return seconds < 1.      ? format("%.2g s", seconds)
+           : seconds < 10.   ? format("%.1f s", seconds)
+           : seconds < 300.  ? format("%.0f s", seconds)
            : seconds < 7200. ? format("%.0f min", seconds / 60.)
                              : format("%.1f h", seconds / 3600.);
   }

@@ -75,24 +75,24 @@ namespace selkie
                           8 * (particles.fields.n_components() + dim + 1)));
     }
 
-    /// Wall time of each section in one step, by its path.
+    /// The share that each section has in the steps between, by its path.
     std::vector<std::pair<std::string, double>>
     phases(const std::vector<TimerTree::Row> &before,
            const std::vector<TimerTree::Row> &after)
     {
       std::map<std::string, double> earlier;
-      double                        steps = 0.;
       for (const auto &row : before)
-        {
-          earlier[row.path] = row.wall;
-          steps -= row.path == "newton" ? row.calls : 0.;
-        }
-      for (const auto &row : after)
-        steps += row.path == "newton" ? row.calls : 0.;
+        earlier[row.path] = row.wall;
       std::vector<std::pair<std::string, double>> result;
+      double                                      total = 0.;
       for (const auto &row : after)
         if (row.depth > 0 && row.path != "other")
-          result.emplace_back(row.path, (row.wall - earlier[row.path]) / steps);
+          {
+            result.emplace_back(row.path, row.wall - earlier[row.path]);
+            total += row.depth == 1 ? result.back().second : 0.;
+          }
+      for (auto &phase : result)
+        phase.second /= total;
       return result;
     }
   } // namespace
@@ -100,13 +100,11 @@ namespace selkie
 
   template <int dim>
   void
-  describe_plan(const Scene<dim>                  &scene,
-                const ParticleSet<dim>            &particles,
-                const Stepper<dim>                &stepper,
-                const StepReport<dim>             &report,
-                const std::vector<TimerTree::Row> &before,
-                const std::vector<TimerTree::Row> &after,
-                Log                               &log)
+  describe_plan(const Scene<dim>       &scene,
+                const ParticleSet<dim> &particles,
+                const Stepper<dim>     &stepper,
+                const Rehearsal<dim>   &rehearsal,
+                Log                    &log)
   {
     log.line("Scene     " + scene.title + " (" + scene.file + ")");
     log.line("Effects   " + join(scene.effect_names()));
@@ -114,7 +112,7 @@ namespace selkie
     describe_points(particles.fields,
                     particles.handler().n_global_particles(),
                     log);
-    describe_unknowns(scene, stepper, report, log);
+    describe_unknowns(scene, stepper, rehearsal.report, log);
     describe_exchange(particles, stepper, log);
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
     Utilities::System::MemoryStats memory;
@@ -122,36 +120,27 @@ namespace selkie
     log.line(
       format("Memory    %.0f MB peak on this rank", memory.VmHWM / 1024.));
 
-    const double steps = std::ceil(scene.time.end_time / scene.time.step);
-    double       total = 0.;
-    for (const auto &[path, seconds] : phases(before, after))
-      total += path.find('/') == std::string::npos ? seconds : 0.;
-    log.line(format("Time      %.0f steps of about %.2g s: %s if the first "
-                    "ones are typical (speed and contact make it longer)",
-                    steps,
-                    total,
-                    time_span(steps * total).c_str()));
-    for (const auto &[path, seconds] : phases(before, after))
-      if (seconds > 1e-3 * total)
+    const Forecast &forecast = rehearsal.forecast;
+    log.line(format("Time      %s for %.0f steps, as the first ones are (%.2g "
+                    "s each) and later ones of other runs were (%.0f %% more)",
+                    time_span(forecast.total()).c_str(),
+                    forecast.steps(),
+                    forecast.step(),
+                    100. * (Forecast::growth - 1.)));
+    for (const auto &[path, share] : phases(rehearsal.before, rehearsal.after))
+      if (share > 1e-3)
         log.line(format("          %-22s %s",
                         path.c_str(),
-                        time_span(steps * seconds).c_str()));
+                        time_span(share * forecast.total()).c_str()));
   }
 
-  template void
-  describe_plan(const Scene<2> &,
-                const ParticleSet<2> &,
-                const Stepper<2> &,
-                const StepReport<2> &,
-                const std::vector<TimerTree::Row> &,
-                const std::vector<TimerTree::Row> &,
-                Log &);
-  template void
-  describe_plan(const Scene<3> &,
-                const ParticleSet<3> &,
-                const Stepper<3> &,
-                const StepReport<3> &,
-                const std::vector<TimerTree::Row> &,
-                const std::vector<TimerTree::Row> &,
-                Log &);
+#define INSTANTIATE(dim)                                \
+  template void describe_plan(const Scene<dim> &,       \
+                              const ParticleSet<dim> &, \
+                              const Stepper<dim> &,     \
+                              const Rehearsal<dim> &,   \
+                              Log &)
+  INSTANTIATE(2);
+  INSTANTIATE(3);
+#undef INSTANTIATE
 } // namespace selkie

@@ -126,6 +126,7 @@ namespace selkie
     write_fields(0., 0, nullptr, scene.time.step);
     record_effects(0., stepper, WallForces<dim>());
     start_wall = timers.wall_time();
+    forecast.emplace(0., scene.time.end_time, start_wall);
   }
 
   template <int dim>
@@ -146,6 +147,7 @@ namespace selkie
       recordings[i].next = state.next_records.at(i);
     if (scene.audit)
       audit = std::make_unique<RunAudit<dim>>(particles, state.audit);
+    forecast.emplace(start_time, scene.time.end_time, start_wall);
   }
 
   template <int dim>
@@ -173,13 +175,15 @@ namespace selkie
     if (scene.output.interval > 0. &&
         (time.now() >= so_far.next_fields - slack || time.at_end()))
       write_fields(time.now(), time.number(), &stepper, dt);
-    if (time.number() == 3)
+    if (forecast)
       {
-        warm_wall = timers.wall_time();
-        warm_time = time.now();
+        forecast->record(time.now(), timers.wall_time());
+        if (forecast->ready())
+          {
+            show_forecast();
+            forecast.reset();
+          }
       }
-    if (time.number() == 10 && warm_time > 0.)
-      show_forecast(time);
     show_progress(time, dt, report);
   }
 
@@ -271,23 +275,19 @@ namespace selkie
     vtu->write(time, step, anything ? &mesh : nullptr);
   }
 
-  /// After ten steps, of which the last seven tell how long the others take.
   template <int dim>
   void
-  RunOutput<dim>::show_forecast(const TimeControl &time)
+  RunOutput<dim>::show_forecast()
   {
-    const double spent = timers.wall_time() - start_wall;
-    const double left  = (time.end() - time.now()) *
-                        (timers.wall_time() - warm_wall) /
-                        (time.now() - warm_time);
     Utilities::System::MemoryStats memory;
     Utilities::System::get_memory_stats(memory);
-    const double largest = Utilities::MPI::max(memory.VmHWM / 1024., comm);
-    log.line(
-      format("Forecast  %s for the whole run, %.0f MB a rank, if it goes "
-             "on as in the first ten steps",
-             time_span(spent + left).c_str(),
-             largest));
+    log.line(format("Forecast  %s for the whole run, as its first steps are "
+                    "(%.2g s each) and later ones of others were (%.0f %% "
+                    "more); %.0f MB a rank",
+                    time_span(forecast->total()).c_str(),
+                    forecast->step(),
+                    100. * (Forecast::growth - 1.),
+                    memory.VmHWM / 1024.));
   }
 
   /// What the assembly's time went into, by effect.

@@ -3,6 +3,7 @@
 #include <selkie/base/log.h>
 #include <selkie/base/text.h>
 #include <selkie/drivers/plan.h>
+#include <selkie/drivers/run_audit.h>
 #include <selkie/drivers/run_output.h>
 #include <selkie/drivers/simulation.h>
 #include <selkie/drivers/stepper.h>
@@ -11,6 +12,7 @@
 #include <selkie/time/time_control.h>
 
 #include <functional>
+#include <optional>
 
 namespace selkie
 {
@@ -298,6 +300,42 @@ namespace selkie
                      std::to_string(time.step()) + " s");
           }
     }
+
+    /// Makes as many steps as a forecast needs, but not for long.
+    template <int dim>
+    Rehearsal<dim>
+    rehearse(const ParticleSet<dim> &particles,
+             Stepper<dim>           &stepper,
+             TimeControl            &time,
+             TimerTree              &timers)
+    {
+      constexpr double             patience = 5.; // s
+      constexpr unsigned int       n_least  = 5;
+      std::optional<RunAudit<dim>> audit;
+      if (particles.scene.audit)
+        audit.emplace(particles);
+      Rehearsal<dim> result{{},
+                            {time.now(), time.end(), timers.wall_time()},
+                            {},
+                            {}};
+      Forecast      &forecast = result.forecast;
+      bool           enough   = false;
+      for (unsigned int n = 0; !enough && !time.at_end(); ++n)
+        {
+          if (n <= Forecast::n_cold)
+            result.before = timers.rows();
+          result.report = stepper.step(time.now(), time.step());
+          time.advance(result.report.largest_speed, result.report.time_error);
+          if (audit)
+            audit->record(time.now(), result.report);
+          forecast.record(time.now(), timers.wall_time());
+          enough = forecast.ready() ||
+                   (n >= n_least && n * forecast.step() > patience);
+          enough = Utilities::MPI::broadcast(particles.communicator(), enough);
+        }
+      result.after = timers.rows();
+      return result;
+    }
   } // namespace
 
 
@@ -406,21 +444,11 @@ namespace selkie
                      smallest_spacing(scene, *setup.cloud),
                      sound_speed(scene));
     stepper.start(time.now(), time.step());
-    // The first step finds a new pattern and starts from rest; the next ones
-    // are more like all others.
-    auto before = timers.rows();
-    auto report = stepper.step(time.now(), time.step());
-    time.advance(report.largest_speed, report.time_error);
-    if (!time.at_end())
-      before = timers.rows();
-    constexpr unsigned int n_steps = 3;
-    for (unsigned int i = 0; i < n_steps && !time.at_end(); ++i)
-      {
-        report = stepper.step(time.now(), time.step());
-        time.advance(report.largest_speed, report.time_error);
-      }
-    describe_plan(
-      scene, setup.particles, stepper, report, before, timers.rows(), log);
+    describe_plan(scene,
+                  setup.particles,
+                  stepper,
+                  rehearse(setup.particles, stepper, time, timers),
+                  log);
   }
 
 #define INSTANTIATE(dim)                                                   \

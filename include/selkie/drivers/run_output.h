@@ -3,6 +3,7 @@
 #include <selkie/adapt/adapt_mesh.h>
 #include <selkie/base/log.h>
 #include <selkie/base/timer_tree.h>
+#include <selkie/drivers/forecast.h>
 #include <selkie/drivers/run_audit.h>
 #include <selkie/drivers/run_state.h>
 #include <selkie/drivers/stepper.h>
@@ -13,6 +14,7 @@
 #include <selkie/time/time_control.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace selkie
@@ -112,7 +114,7 @@ namespace selkie
                  const Stepper<dim> *stepper,
                  const double        dt);
     void
-    show_forecast(const TimeControl &time);
+    show_forecast();
     void
     show_costs(const Summary &summary);
     void
@@ -156,8 +158,6 @@ namespace selkie
     double                         start_time        = 0; ///< of this part (s)
     double                         last_checkpoint   = 0; ///< wall time (s)
     bool                           keeps_checkpoints = false; ///< one was due
-    /// Wall and simulated time (s) when the first steps, which set things up,
-    /// were over: for the forecast.
-    double warm_wall = 0, warm_time = 0;
+    std::optional<Forecast>        forecast; ///< until it is told
   };
 } // namespace selkie

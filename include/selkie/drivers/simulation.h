@@ -17,8 +17,8 @@ namespace selkie
             const bool        resumed = false);
 
   /// What `selkie check` prints: effects, terms, columns, unknowns, memory and
-  /// a forecast of the time, measured on one step of which nothing is kept.
-  /// Collective; rank 0 prints.
+  /// a forecast of the time, measured on the first steps, of which nothing is
+  /// kept. Collective; rank 0 prints.
   template <int dim>
   void
   print_plan(const Scene<dim> &scene, const MPI_Comm comm);

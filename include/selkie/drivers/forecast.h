@@ -1,0 +1,84 @@
+#pragma once
+
+namespace selkie
+{
+  /**
+   * How long a run will take, told from its first steps. The very first ones,
+   * which find patterns and start from rest, do not count; so many of the next
+   * do that noise is small.
+   */
+  class Forecast
+  {
+  public:
+    /// Later steps cost more than the first ones: matter spreads and meets,
+    /// and Newton needs two or three iterations where rest and free flight
+    /// need one. The middle of what the shipped scenes show, from 0.9 to 1.75
+    /// (doc/accuracy-and-time.md).
+    static constexpr double growth = 1.25;
+
+    /// The first steps, that do not count.
+    static constexpr unsigned int n_cold = 3;
+
+    /// @param t_0,t_end where the run begins and is to end (s)
+    /// @param wall_0 time spent before its first step (s)
+    Forecast(const double t_0, const double t_end, const double wall_0)
+      : t_0(t_0)
+      , t_end(t_end)
+      , wall_0(wall_0)
+      , warm_t(t_0)
+      , warm_wall(wall_0)
+      , t(t_0)
+      , wall(wall_0)
+    {}
+
+    /// After each step: the time that it reached and what is spent now (s).
+    void
+    record(const double t_now, const double wall_now)
+    {
+      t    = t_now;
+      wall = wall_now;
+      ++n;
+      if (n == n_cold)
+        {
+          warm_t    = t;
+          warm_wall = wall;
+        }
+    }
+
+    /// Whether enough steps were seen.
+    bool
+    ready() const
+    {
+      constexpr double enough = 0.25; // s
+      return n >= 10 &&
+             (wall - warm_wall > enough || t - t_0 > 0.05 * (t_end - t_0));
+    }
+
+    /// Of one of the first steps, without the very first (s).
+    double
+    step() const
+    {
+      return (wall - warm_wall) / (n > n_cold ? n - n_cold : n);
+    }
+
+    /// How many steps there will be.
+    double
+    steps() const
+    {
+      const double of_size = (t - warm_t) / (n > n_cold ? n - n_cold : n);
+      return n + (t < t_end ? (t_end - t) / of_size : 0.);
+    }
+
+    /// Of the whole run (s).
+    double
+    total() const
+    {
+      return wall - wall_0 + growth * (steps() - n) * step();
+    }
+
+  private:
+    const double t_0, t_end, wall_0;
+    double       warm_t, warm_wall, t, wall;
+    unsigned int n = 0; ///< steps seen
+  };
+} // namespace selkie
