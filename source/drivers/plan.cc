@@ -126,7 +126,7 @@ namespace selkie
                     time_span(forecast.total()).c_str(),
                     forecast.steps(),
                     forecast.step(),
-                    100. * (Forecast::growth - 1.)));
+                    100. * (forecast.growth() - 1.)));
     for (const auto &[path, share] : phases(rehearsal.before, rehearsal.after))
       if (share > 1e-3)
         log.line(format("          %-22s %s",

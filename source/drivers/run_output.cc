@@ -177,7 +177,9 @@ namespace selkie
       write_fields(time.now(), time.number(), &stepper, dt);
     if (forecast)
       {
-        forecast->record(time.now(), timers.wall_time());
+        forecast->record(time.now(),
+                         timers.wall_time(),
+                         report.newton.iterations);
         if (forecast->ready())
           {
             show_forecast();
@@ -286,7 +288,7 @@ namespace selkie
                     "more); %.0f MB a rank",
                     time_span(forecast->total()).c_str(),
                     forecast->step(),
-                    100. * (Forecast::growth - 1.),
+                    100. * (forecast->growth() - 1.),
                     memory.VmHWM / 1024.));
   }
 

@@ -328,7 +328,9 @@ namespace selkie
           time.advance(result.report.largest_speed, result.report.time_error);
           if (audit)
             audit->record(time.now(), result.report);
-          forecast.record(time.now(), timers.wall_time());
+          forecast.record(time.now(),
+                          timers.wall_time(),
+                          result.report.newton.iterations);
           enough = forecast.ready() ||
                    (n >= n_least && n * forecast.step() > patience);
           enough = Utilities::MPI::broadcast(particles.communicator(), enough);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 namespace selkie
 {
   /**
@@ -10,12 +12,6 @@ namespace selkie
   class Forecast
   {
   public:
-    /// Later steps cost more than the first ones: matter spreads and meets,
-    /// and Newton needs two or three iterations where rest and free flight
-    /// need one. The middle of what the shipped scenes show, from 0.9 to 1.75
-    /// (doc/accuracy-and-time.md).
-    static constexpr double growth = 1.25;
-
     /// The first steps, that do not count.
     static constexpr unsigned int n_cold = 3;
 
@@ -33,11 +29,14 @@ namespace selkie
 
     /// After each step: the time that it reached and what is spent now (s).
     void
-    record(const double t_now, const double wall_now)
+    record(const double       t_now,
+           const double       wall_now,
+           const unsigned int newton_iterations)
     {
       t    = t_now;
       wall = wall_now;
       ++n;
+      n_newton += n > n_cold ? newton_iterations : 0;
       if (n == n_cold)
         {
           warm_t    = t;
@@ -69,16 +68,28 @@ namespace selkie
       return n + (t < t_end ? (t_end - t) / of_size : 0.);
     }
 
+    /// What later steps cost, relative to the first ones: more, since matter
+    /// spreads and meets, and Newton needs two or three iterations where rest
+    /// and free flight need one. The middle of what the shipped scenes show,
+    /// from 0.9 to 1.75 (doc/accuracy-and-time.md).
+    double
+    growth() const
+    {
+      const double newton = n > n_cold ? double(n_newton) / (n - n_cold) : 2.;
+      return 1.25 * (1. + 0.2 * std::max(0., 2. - newton));
+    }
+
     /// Of the whole run (s).
     double
     total() const
     {
-      return wall - wall_0 + growth * (steps() - n) * step();
+      return wall - wall_0 + growth() * (steps() - n) * step();
     }
 
   private:
     const double t_0, t_end, wall_0;
     double       warm_t, warm_wall, t, wall;
-    unsigned int n = 0; ///< steps seen
+    unsigned int n        = 0; ///< steps seen
+    unsigned int n_newton = 0; ///< iterations in them but the cold ones
   };
 } // namespace selkie
