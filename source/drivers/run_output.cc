@@ -378,11 +378,10 @@ namespace selkie
     summary.timings    = timers.rows();
     if (stepper != nullptr)
       summary.costs = costs(*stepper, comm);
-    if (scene.time.estimate_error && time.number() > 0)
+    if (failure.empty() && scene.time.estimate_error && time.number() > 0)
       {
-        const RecoveryError space =
-          failure.empty() ? stepper->spatial_error(last_dt) : RecoveryError();
-        const auto share = [](const double part, const double whole) {
+        const RecoveryError space = stepper->spatial_error(last_dt);
+        const auto          share = [](const double part, const double whole) {
           return whole > 0. ? part / whole : 0.;
         };
         summary.errors = {so_far.error,
@@ -502,7 +501,8 @@ namespace selkie
     if (time.number() > 0)
       {
         log.line(
-          format("Failed    at t = %g s, adapting the mesh:", time.now()));
+          format("Failed    at t = %g s, adapting the mesh or sharing it out:",
+                 time.now()));
         log.line("          " + why);
         log.line("          The last good state is that of the last "
                  "checkpoint. Adapt more often, with a wider buffer or fewer "

@@ -34,7 +34,8 @@ namespace selkie
         if (checkpoint.empty())
           seed();
         else
-          read(checkpoint);
+          state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
+        make_cloud();
       }
 
       void
@@ -45,17 +46,6 @@ namespace selkie
           adapt_to_seeds();
         for (const auto &active : particles.scene.effects)
           active.effect->start(particles);
-        make_cloud();
-      }
-
-      /// Takes everything from a checkpoint; what hangs on the mesh must be
-      /// gone before.
-      void
-      read(const std::string &checkpoint)
-      {
-        cloud.reset();
-        state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
-        make_cloud();
       }
 
       void
@@ -165,38 +155,12 @@ namespace selkie
                    stepper->kept_fields());
       if (!change(carried))
         return;
-      KeptNumbers      numbers = stepper->kept_numbers();
-      const CostLedger costs   = stepper->costs();
-      numbers.moved            = 0.;
+      const KeptNumbers numbers = stepper->kept_numbers();
+      const CostLedger  costs   = stepper->costs();
       stepper.reset();
       setup.make_cloud();
       stepper = make_stepper(setup, timers, log);
       stepper->go_on_from(carried, numbers, costs);
-    }
-
-    /// Goes on from a checkpoint that was just written, as a resumed run does:
-    /// so both are the same, to the bit. deal.II numbers cells by the history
-    /// of the mesh, and a sum over cells or points depends on their order. On
-    /// one rank, on a mesh that stays as it is, there is no history.
-    template <int dim>
-    void
-    go_on_from_checkpoint(const std::string             &folder,
-                          Setup<dim>                    &setup,
-                          std::unique_ptr<Stepper<dim>> &stepper,
-                          TimerTree                     &timers,
-                          Log                           &log)
-    {
-      if (Utilities::MPI::n_mpi_processes(setup.particles.communicator()) ==
-            1 &&
-          !setup.particles.scene.adaptivity)
-        return;
-      TimerTree::Scope  scope(timers, "checkpoint");
-      const KeptNumbers numbers = stepper->kept_numbers();
-      const CostLedger  costs   = stepper->costs();
-      stepper.reset();
-      setup.read(folder);
-      stepper = make_stepper(setup, timers, log);
-      stepper->go_on_from(setup.nodal_fields, numbers, costs);
     }
 
     /// Adapts the mesh to the matter at @p t, after a step of size @p dt.
@@ -229,6 +193,7 @@ namespace selkie
             *setup.mesh, setup.particles, *setup.cloud, view, carried);
           return report.changed;
         });
+      stepper->mesh_fits();
       // Interpolated accelerations do not balance the forces between new
       // nodes, and Newmark's energy needs that.
       if (report.changed && scene.lagrangian_mesh() && scene.inertia)
@@ -236,17 +201,24 @@ namespace selkie
       return report;
     }
 
-    /// Whether to share the points out anew, as they are spread unevenly. The
-    /// points of a Lagrangian mesh do not move; who adapts shares out, too.
+    /// Whether to share the points out anew: where they are spread unevenly,
+    /// and before a checkpoint, as a resumed run gets its cells that way and is
+    /// to be the same.
     template <int dim>
     bool
-    shares_out_now(const ParticleSet<dim> &particles, const TimeControl &time)
+    shares_out_now(const ParticleSet<dim> &particles,
+                   const TimeControl      &time,
+                   const bool              keeps)
     {
-      const Scene<dim>  &scene = particles.scene;
-      const unsigned int every = scene.domain.balance_steps;
-      return every > 0 && time.number() % every == 0 && !time.at_end() &&
-             !scene.lagrangian_mesh() && !scene.adaptivity &&
-             particles.imbalance() > most_imbalance;
+      if (Utilities::MPI::n_mpi_processes(particles.communicator()) == 1 ||
+          time.at_end())
+        return false;
+      const Scene<dim>  &scene     = particles.scene;
+      const unsigned int every     = scene.domain.balance_steps;
+      const bool         runs_away = !scene.lagrangian_mesh();
+      return keeps || (runs_away && !scene.adaptivity && every > 0 &&
+                       time.number() % every == 0 &&
+                       particles.imbalance() > most_imbalance);
     }
 
     /// Shares the points out among the ranks anew.
@@ -301,38 +273,40 @@ namespace selkie
           }
     }
 
-    /// Makes as many steps as a forecast needs, but not for long.
+    /// Makes as many steps as a forecast needs, up to the first adaptation and
+    /// not for long.
     template <int dim>
     Rehearsal<dim>
     rehearse(const ParticleSet<dim> &particles,
              Stepper<dim>           &stepper,
              TimeControl            &time,
-             TimerTree              &timers)
+             TimerTree              &timers,
+             Log                    &log)
     {
       constexpr double             patience = 5.; // s
-      constexpr unsigned int       n_least  = 5;
+      const double                 begin    = timers.wall_time();
       std::optional<RunAudit<dim>> audit;
       if (particles.scene.audit)
         audit.emplace(particles);
-      Rehearsal<dim> result{{},
-                            {time.now(), time.end(), timers.wall_time()},
-                            {},
-                            {}};
-      Forecast      &forecast = result.forecast;
-      bool           enough   = false;
+      Rehearsal<dim>   result{{}, {time.now(), time.end(), begin}, {}, {}};
+      StepReport<dim> &report = result.report;
+      bool             enough = false;
       for (unsigned int n = 0; !enough && !time.at_end(); ++n)
         {
           if (n <= Forecast::n_cold)
             result.before = timers.rows();
-          result.report = stepper.step(time.now(), time.step());
-          time.advance(result.report.largest_speed, result.report.time_error);
+          report = step_with_retries(stepper, time, log);
+          time.advance(report.largest_speed, report.time_error);
           if (audit)
-            audit->record(time.now(), result.report);
-          forecast.record(time.now(),
-                          timers.wall_time(),
-                          result.report.newton.iterations);
-          enough = forecast.ready() ||
-                   (n >= n_least && n * forecast.step() > patience);
+            audit->record(time.now(), report);
+          const double now = timers.wall_time();
+          result.forecast.record(time.now(), now, report.newton.iterations);
+          enough = result.forecast.ready() ||
+                   (n >= Forecast::n_cold &&
+                    (now - begin > patience || adapts_now(particles.scene,
+                                                          stepper,
+                                                          report.largest_speed,
+                                                          time)));
           enough = Utilities::MPI::broadcast(particles.communicator(), enough);
         }
       result.after = timers.rows();
@@ -407,25 +381,21 @@ namespace selkie
         const double dt = time.step();
         time.advance(report.largest_speed, report.time_error);
         output.record(particles, *stepper, time, dt, report);
-        if (adapts_now(scene, *stepper, report.largest_speed, time))
-          try
-            {
+        try
+          {
+            if (adapts_now(scene, *stepper, report.largest_speed, time))
               output.record(
                 adapt(*setup, stepper, time.now(), dt, timers, log));
-            }
-          catch (const NumericalFailure &failure)
-            {
-              output.fail_between_steps(particles, time, failure.what());
-              return 2;
-            }
-        if (shares_out_now(particles, time))
-          balance(*setup, stepper, timers, log);
-        if (output.checkpoint_is_due(time))
-          {
-            const std::string folder =
+            const bool keep = output.checkpoint_is_due(time);
+            if (shares_out_now(particles, time, keep))
+              balance(*setup, stepper, timers, log);
+            if (keep)
               output.write_checkpoint(particles, *stepper, *setup->mesh, time);
-            if (!time.at_end())
-              go_on_from_checkpoint(folder, *setup, stepper, timers, log);
+          }
+        catch (const NumericalFailure &failure)
+          {
+            output.fail_between_steps(particles, time, failure.what());
+            return 2;
           }
       }
     output.finish(particles, *stepper, time);
@@ -449,7 +419,7 @@ namespace selkie
     describe_plan(scene,
                   setup.particles,
                   stepper,
-                  rehearse(setup.particles, stepper, time, timers),
+                  rehearse(setup.particles, stepper, time, timers, log),
                   log);
   }
 

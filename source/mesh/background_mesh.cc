@@ -67,11 +67,15 @@ namespace selkie
   make_background_mesh(const Domain<dim> &domain, const MPI_Comm comm)
   {
     using Mesh = dealii::parallel::distributed::Triangulation<dim>;
-    // p4est knows the vertices so that it can tell the owner of any point
+    // p4est knows the vertices so that it can tell the owner of any point;
+    // cells come in an order that does not depend on the mesh's history, so
+    // that a resumed run is the same to the bit
     auto mesh = std::make_unique<Mesh>(
       comm,
       dealii::Triangulation<dim>::limit_level_difference_at_vertices,
-      Mesh::communicate_vertices_to_p4est);
+      static_cast<typename Mesh::Settings>(
+        Mesh::communicate_vertices_to_p4est |
+        Mesh::mesh_reconstruction_after_repartitioning));
 
     reset_to_coarse_cells(domain, *mesh);
     const unsigned int base = base_level(domain);

@@ -258,10 +258,15 @@ namespace selkie
     });
 
     particles.handler().prepare_for_serialization();
-    FieldTransfer<dim>          transfer(dofs);
-    std::vector<const Vector *> values;
+    FieldTransfer<dim>            transfer(dofs);
+    std::map<std::string, Vector> fields;
+    std::vector<const Vector *>   values;
     for (const auto &[name, field] : nodal_fields)
-      values.push_back(field);
+      {
+        fields[name] = *field;
+        CarriedFields<dim>::make_portable(fields[name]);
+        values.push_back(&fields[name]);
+      }
     if (!values.empty())
       transfer.prepare_for_serialization(values);
     mesh.save((folder / "mesh").string());
@@ -351,6 +356,8 @@ namespace selkie
       {
         FieldTransfer<dim> transfer(nodal_fields.dofs);
         transfer.deserialize(values);
+        for (Vector *field : values)
+          CarriedFields<dim>::unmake_portable(*field);
         nodal_fields.update_ghosts();
       }
 

@@ -15,20 +15,14 @@ namespace selkie
 {
   using namespace dealii;
 
-  namespace
-  {
-    /// On several ranks MUMPS adds up what they send as it arrives, so that no
-    /// run is like the other; up to so many unknowns one rank does it alone.
-    constexpr int most_unknowns_on_one_rank = 1000;
-  } // namespace
-
   /// MUMPS, or KLU on one rank for all, with the problem that it refers to.
   class DirectSolver::Factors
   {
   public:
     Factors(const std::shared_ptr<const SystemMatrix> &K,
             const bool                                 symmetric,
-            const int                                  room)
+            const int                                  room,
+            const int most_unknowns_on_one_rank)
       : matrix(K)
       , symmetric(symmetric)
       , room(room)
@@ -120,7 +114,9 @@ namespace selkie
     int                                klu_says = 0;
   };
 
-  DirectSolver::DirectSolver() = default;
+  DirectSolver::DirectSolver(const int most_unknowns_on_one_rank)
+    : most_unknowns_on_one_rank(most_unknowns_on_one_rank)
+  {}
 
   DirectSolver::~DirectSolver() = default;
 
@@ -130,14 +126,20 @@ namespace selkie
                           const int                                  room)
   {
     if (!factors || factors->matrix != K || factors->symmetric != symmetric)
-      factors = std::make_unique<Factors>(K, symmetric, room);
+      factors = std::make_unique<Factors>(K,
+                                          symmetric,
+                                          room,
+                                          most_unknowns_on_one_rank);
 
     constexpr int most_room = 5000; // percent
     int           error     = factors->factorise();
     while (factors->too_little_room() && factors->room < most_room)
       {
         const int more = 2 * (100 + factors->room) - 100;
-        factors        = std::make_unique<Factors>(K, symmetric, more);
+        factors        = std::make_unique<Factors>(K,
+                                            symmetric,
+                                            more,
+                                            most_unknowns_on_one_rank);
         error          = factors->factorise();
       }
     if (error >= 0) // above zero: a warning

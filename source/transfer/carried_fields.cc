@@ -6,10 +6,17 @@
 #include <deal.II/lac/affine_constraints.h>
 
 #include <cmath>
+#include <limits>
 
 namespace selkie
 {
   using namespace dealii;
+
+  namespace
+  {
+    /// Stands for a missing value on the way: see make_portable().
+    constexpr double no_value = 1e300;
+  } // namespace
 
   template <int dim>
   void
@@ -59,13 +66,36 @@ namespace selkie
         change();
         return;
       }
+    for (auto &[name, field] : values)
+      make_portable(field);
     parallel::distributed::SolutionTransfer<dim, Vector> transfer(dofs);
     transfer.prepare_for_coarsening_and_refinement(const_pointers());
     change();
     reinit();
     auto list = pointers();
     transfer.interpolate(list);
+    for (auto &[name, field] : values)
+      unmake_portable(field);
     update_ghosts();
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::make_portable(Vector &field)
+  {
+    for (double &value : field)
+      if (std::isnan(value))
+        value = no_value;
+    field.update_ghost_values();
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::unmake_portable(Vector &field)
+  {
+    for (double &value : field)
+      if (std::abs(value) > 1e-3 * no_value)
+        value = std::numeric_limits<double>::quiet_NaN();
   }
 
   template <int dim>

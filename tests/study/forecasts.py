@@ -11,12 +11,12 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-SECONDS = {"s": 1., "min": 60., "h": 3600., "ms": 1e-3}
+SECONDS = {"s": 1., "min": 60., "h": 3600.}
 
 
 def seconds(text, word):
     """The first time span after a word at the beginning of a line; None if there is none."""
-    line = re.search(rf"^{word}\s+([0-9.e+-]+) (ms|s|min|h)\b", text, re.MULTILINE)
+    line = re.search(rf"^{word}\s+([0-9.e+-]+) (s|min|h)\b", text, re.MULTILINE)
     return float(line[1]) * SECONDS[line[2]] if line else None
 
 
@@ -28,7 +28,7 @@ def total(folder):
 
 
 def cell(forecast, took):
-    return f"{forecast:.3g} ({took / forecast:.2f})" if forecast else "too short"
+    return f"{forecast:.3g} ({took / forecast:.2f})" if forecast else "none"
 
 
 def main():
@@ -38,10 +38,10 @@ def main():
     arguments = parser.parse_args()
     print("| scene | `selkie check` | the run's own | it took |\n| --- | --- | --- | --- |")
     for scene in arguments.scenes:
-        check = subprocess.run([arguments.selkie, "check", scene], capture_output=True, text=True).stdout
+        check = subprocess.run([arguments.selkie, "check", scene], capture_output=True, text=True, check=True).stdout
         with tempfile.TemporaryDirectory() as folder:
             run = subprocess.run([arguments.selkie, scene, "--output", folder + "/run", "--set", "Output/Interval=0"],
-                                 capture_output=True, text=True).stdout
+                                 capture_output=True, text=True, check=True).stdout
             took = total(Path(folder) / "run")
         print(f"| {scene.stem} | {cell(seconds(check, 'Time'), took)} | {cell(seconds(run, 'Forecast'), took)} |"
               f" {took:.3g} |", flush=True)

@@ -97,6 +97,13 @@ namespace selkie
     void
     restore(const CarriedFields<dim> &fields, const KeptNumbers &numbers);
 
+    /// The mesh fits the matter as it is now: kept_numbers().moved is zero.
+    void
+    mesh_fits()
+    {
+      kept.moved = 0.;
+    }
+
     const KeptNumbers &
     kept_numbers() const
     {

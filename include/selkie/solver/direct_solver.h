@@ -20,12 +20,14 @@ namespace selkie
   class DirectSolver
   {
   public:
-    DirectSolver();
+    /// On several ranks MUMPS adds up what they send as it arrives, so that no
+    /// run is like the other; up to so many unknowns one rank does it alone.
+    explicit DirectSolver(const int most_unknowns_on_one_rank = 1000);
     ~DirectSolver();
 
     /// Factorises. Collective. Another pattern is another matrix object; the
     /// last one is kept as long as its factors are, which refer to it.
-    /// @param symmetric only the lower triangle of K is read
+    /// @param symmetric only the lower triangle of K may be read
     /// @param room in percent beyond MUMPS's own estimate
     /// @throw LinearSolverFailure, on all ranks, with the solver's error code.
     void
@@ -40,6 +42,7 @@ namespace selkie
 
   private:
     class Factors;
+    const int                most_unknowns_on_one_rank;
     std::unique_ptr<Factors> factors; ///< with the analysis of their pattern
   };
 } // namespace selkie

@@ -44,6 +44,15 @@ namespace selkie
     void
     carry_along(const std::function<void()> &change);
 
+    /// Makes a field one that deal.II can carry, and back. Where it has no
+    /// value (NaN) a number stands that no field has, and that is still one
+    /// after interpolation: cells compare what they say of a node that they
+    /// share, and NaN is never equal.
+    static void
+    make_portable(Vector &field);
+    static void
+    unmake_portable(Vector &field);
+
     /// Makes the fields those of finite elements: hanging nodes get what their
     /// masters have there, nodes without a value (NaN) zero. Collective.
     void
