@@ -272,7 +272,7 @@ namespace selkie
             layers.push_back(std::make_unique<const Layer<dim>>(cloud, l));
             add(output,
                 layers[l]->dofs,
-                " of layer " + std::to_string(l),
+                "_of_layer_" + std::to_string(l),
                 [&](const auto &all) { return layers[l]->part_of(all); });
           }
         this->build_patches();

@@ -258,7 +258,7 @@ TEST(VtuMPI, EachLayerOfNodesHasFieldsOfItsOwn)
   EXPECT_GT(data.positions.size(), 0u);
   for (unsigned int l = 0; l < 2; ++l)
     {
-      const std::string       which = " of layer " + std::to_string(l);
+      const std::string       which = "_of_layer_" + std::to_string(l);
       const PointField *const p     = data.find("pressure" + which);
       const PointField *const v     = data.find("velocity" + which);
       ASSERT_TRUE(p && v);
