@@ -76,7 +76,7 @@ namespace selkie
     growth() const
     {
       const double newton = n > n_cold ? double(n_newton) / (n - n_cold) : 2.;
-      return 1.25 * (1. + 0.2 * std::max(0., 2. - newton));
+      return 1.25 * (1. + 0.1 * std::max(0., 2. - newton));
     }
 
     /// Of the whole run (s).
