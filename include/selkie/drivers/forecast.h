@@ -71,7 +71,7 @@ namespace selkie
     /// What later steps cost, relative to the first ones: more, since matter
     /// spreads and meets, and Newton needs two or three iterations where rest
     /// and free flight need one. The middle of what the shipped scenes show,
-    /// from 0.9 to 1.75 (doc/accuracy-and-time.md).
+    /// from 0.8 to 2.6 (doc/accuracy-and-time.md, times these factors).
     double
     growth() const
     {
