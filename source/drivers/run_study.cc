@@ -27,6 +27,9 @@ namespace selkie
     /// The errors at which the costs of the series are compared.
     constexpr double wanted_errors[] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4};
 
+    /// How often a member whose timings contradict another's is timed again.
+    constexpr unsigned int often_enough = 5;
+
     double
     median(std::vector<double> values)
     {
@@ -39,9 +42,25 @@ namespace selkie
     /// A member with all that its repetitions gave.
     struct Row
     {
-      const StudyMember  *member;
-      MemberResult        result; ///< of the first repetition
-      std::vector<double> wall, cpu;
+      const StudyMember *member;
+      MemberResult       result; ///< of the first repetition
+      // of each repetition
+      std::vector<double>       wall, cpu;
+      std::vector<unsigned int> timed_again;
+
+      /// The member was timed again: what it gave is what it was.
+      void
+      replace(const unsigned int repetition, MemberResult timed)
+      {
+        wall[repetition]        = timed.wall;
+        cpu[repetition]         = timed.cpu;
+        timed_again[repetition] = timed.timed_again;
+        if (repetition > 0)
+          return;
+        timed.quantity = result.quantity;
+        timed.error    = result.error;
+        result         = timed;
+      }
     };
 
     std::string
@@ -359,28 +378,36 @@ namespace selkie
       return {found.begin(), found.end()};
     }
 
-    /// Times contradictory members again until they agree, or often enough: the
-    /// fastest run of each repetition counts.
+    /// Times contradictory members again until they agree, or often enough (in
+    /// all starts of the study together): the fastest run of each repetition
+    /// counts.
     void
     settle_timings(const Study       &study,
                    const std::string &program,
                    std::vector<Row>  &rows)
     {
-      for (unsigned int round = 0; round < 5; ++round)
-        for (Row *row : contradictory(rows, study.repetitions))
-          for (unsigned int k = 0; k < study.repetitions; ++k)
-            {
-              const auto result = time_again(study,
-                                             row->member->settings,
-                                             folder_of(study, *row->member, k),
-                                             program);
-              std::cout << format("%-10s %.3g s (again: timings contradict)",
-                                  row->member->name.c_str(),
-                                  result.cpu)
-                        << std::endl;
-              row->wall[k] = result.wall;
-              row->cpu[k]  = result.cpu;
-            }
+      bool settled = false;
+      while (!settled)
+        {
+          settled = true;
+          for (Row *row : contradictory(rows, study.repetitions))
+            for (unsigned int k = 0; k < study.repetitions; ++k)
+              if (row->timed_again[k] < often_enough)
+                {
+                  const auto result =
+                    time_again(study,
+                               row->member->settings,
+                               folder_of(study, *row->member, k),
+                               program);
+                  std::cout
+                    << format("%-10s %.3g s (again: timings contradict)",
+                              row->member->name.c_str(),
+                              result.cpu)
+                    << std::endl;
+                  row->replace(k, result);
+                  settled = false;
+                }
+        }
     }
 
     void
@@ -420,7 +447,7 @@ namespace selkie
     const std::string reference = reference_folder(study, program);
     std::vector<Row>  rows;
     for (const auto &member : study.members)
-      rows.push_back({&member, MemberResult(), {}, {}});
+      rows.push_back({&member, MemberResult(), {}, {}, {}});
     // Repetition after repetition, so that a busy minute hits all members.
     for (unsigned int k = 0; k < study.repetitions; ++k)
       for (Row &row : rows)
@@ -436,6 +463,7 @@ namespace selkie
             {
               row.wall.push_back(result.wall);
               row.cpu.push_back(result.cpu);
+              row.timed_again.push_back(result.timed_again);
             }
           if (k > 0)
             continue;

@@ -22,9 +22,10 @@ namespace selkie
     std::map<std::string, double> phases;            ///< CPU s by phase
     double                        memory = 0; ///< peak of one process, MB
     double                        points = 0, unknowns = 0, steps = 0;
-    double newton = 0, linear = 0; ///< iterations, sums over the run
-    double lambda  = 0;            ///< iterations a point, mean
-    double balance = 0;            ///< energy balance at the end (J; J/m)
+    double       newton = 0, linear = 0; ///< iterations, sums over the run
+    double       lambda      = 0;        ///< iterations a point, mean
+    double       balance     = 0;        ///< energy balance at the end (J; J/m)
+    unsigned int timed_again = 0;        ///< how often time_again() has run it
   };
 
   /// The phases of MemberResult::phases, in order.
@@ -46,7 +47,9 @@ namespace selkie
              const std::string &program);
 
   /// Runs a member that has been run once more; the faster of the two is from
-  /// now on what it cost. Its files stay those that run_member() left.
+  /// now on what it cost. Its files stay those that run_member() left, and how
+  /// often this was done is kept with its result, so that a study that is
+  /// started again goes on with it instead of beginning anew.
   MemberResult
   time_again(const Study       &study,
              const Settings    &settings,
