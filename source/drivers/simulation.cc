@@ -201,24 +201,18 @@ namespace selkie
       return report;
     }
 
-    /// Whether to share the points out anew: where they are spread unevenly,
-    /// and before a checkpoint, as a resumed run gets its cells that way and is
-    /// to be the same.
+    /// Whether to share the points out anew, since they are spread unevenly.
     template <int dim>
     bool
-    shares_out_now(const ParticleSet<dim> &particles,
-                   const TimeControl      &time,
-                   const bool              keeps)
+    shares_out_now(const ParticleSet<dim> &particles, const TimeControl &time)
     {
-      if (Utilities::MPI::n_mpi_processes(particles.communicator()) == 1 ||
-          time.at_end())
-        return false;
       const Scene<dim>  &scene     = particles.scene;
       const unsigned int every     = scene.domain.balance_steps;
       const bool         runs_away = !scene.lagrangian_mesh();
-      return keeps || (runs_away && !scene.adaptivity && every > 0 &&
-                       time.number() % every == 0 &&
-                       particles.imbalance() > most_imbalance);
+      return Utilities::MPI::n_mpi_processes(particles.communicator()) > 1 &&
+             !time.at_end() && runs_away && !scene.adaptivity && every > 0 &&
+             time.number() % every == 0 &&
+             particles.imbalance() > most_imbalance;
     }
 
     /// Shares the points out among the ranks anew.
@@ -386,10 +380,9 @@ namespace selkie
             if (adapts_now(scene, *stepper, report.largest_speed, time))
               output.record(
                 adapt(*setup, stepper, time.now(), dt, timers, log));
-            const bool keep = output.checkpoint_is_due(time);
-            if (shares_out_now(particles, time, keep))
+            if (shares_out_now(particles, time))
               balance(*setup, stepper, timers, log);
-            if (keep)
+            if (output.checkpoint_is_due(time))
               output.write_checkpoint(particles, *stepper, *setup->mesh, time);
           }
         catch (const NumericalFailure &failure)

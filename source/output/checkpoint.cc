@@ -7,9 +7,11 @@
 #include <selkie/output/files.h>
 #include <selkie/output/json.h>
 
+#include <deal.II/distributed/cell_data_transfer.h>
 #include <deal.II/distributed/solution_transfer.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
+#include <deal.II/lac/vector.h>
 
 #include <boost/archive/text_iarchive.hpp>
 #include <boost/archive/text_oarchive.hpp>
@@ -99,6 +101,59 @@ namespace selkie
     template <int dim>
     using FieldTransfer =
       dealii::parallel::distributed::SolutionTransfer<dim, Vector>;
+
+    /// Values of the cells, carried with them.
+    template <int dim>
+    using CellTransfer = dealii::parallel::distributed::
+      CellDataTransfer<dim, dim, dealii::Vector<double>>;
+
+    /// The first of this rank's cells in p4est's order.
+    template <int dim>
+    typename dealii::Triangulation<dim>::active_cell_iterator
+    first_own_cell(
+      const dealii::parallel::distributed::Triangulation<dim> &mesh)
+    {
+      const auto &coarse = mesh.get_p4est_tree_to_coarse_cell_permutation();
+      std::vector<unsigned int> tree(coarse.size());
+      for (unsigned int i = 0; i < coarse.size(); ++i)
+        tree[coarse[i]] = i;
+      const auto place = [&tree](const auto &cell) {
+        return std::pair(tree[cell->id().get_coarse_cell_id()], cell->id());
+      };
+      auto first = mesh.end();
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned() &&
+            (first == mesh.end() || place(cell) < place(first)))
+          first = cell;
+      return first;
+    }
+
+    /// Weights of the cells, whole numbers, by which p4est shares them out as
+    /// they are: those of each rank have the same sum, and where that sum is
+    /// reached inside a cell, p4est gives the cell to the next rank. So a first
+    /// cell that weighs as much as the ranks before it leaves them without any.
+    template <int dim>
+    dealii::Vector<double>
+    weights_of_partition(
+      const dealii::parallel::distributed::Triangulation<dim> &mesh)
+    {
+      const auto n =
+        dealii::Utilities::MPI::all_gather(mesh.get_communicator(),
+                                           mesh.n_locally_owned_active_cells());
+      const unsigned int     sum = *std::max_element(n.begin(), n.end());
+      unsigned int           me  = mesh.locally_owned_subdomain();
+      dealii::Vector<double> weights(mesh.n_active_cells());
+      if (n[me] == 0)
+        return weights;
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned())
+          weights[cell->active_cell_index()] = sum / n[me];
+      double &first = weights[first_own_cell(mesh)->active_cell_index()];
+      first += sum % n[me];
+      for (; me > 0 && n[me - 1] == 0; --me)
+        first += sum;
+      return weights;
+    }
 
     JsonObject
     to_json(const CheckpointState &state)
@@ -269,6 +324,9 @@ namespace selkie
       }
     if (!values.empty())
       transfer.prepare_for_serialization(values);
+    const auto        weights = weights_of_partition(mesh);
+    CellTransfer<dim> partition(mesh);
+    partition.prepare_for_serialization(weights);
     mesh.save((folder / "mesh").string());
 
     on_root(comm, [&]() {
@@ -325,22 +383,18 @@ namespace selkie
   {
     const MPI_Comm              comm = particles.communicator();
     boost::property_tree::ptree json;
-    std::string                 failure;
-    try
-      {
-        json = read_description(folder, particles.fields, dim);
-      }
-    catch (const std::exception &error)
-      {
-        failure = std::string("cannot resume: ") + error.what();
-      }
-    throw_on_all_ranks<SceneError>(comm, failure);
+    std::string                 points, run;
+    fail_together<SceneError>(comm, [&] {
+      json   = read_description(folder, particles.fields, dim);
+      points = read_text(folder + "/points");
+      run    = read_text(folder + "/run");
+    });
 
     nodal_fields.dofs.clear();
     particles.handler().clear();
     reset_to_coarse_cells(particles.scene.domain, mesh);
     mesh.load(folder + "/mesh");
-    std::istringstream            counters(read_text(folder + "/points"));
+    std::istringstream            counters(points);
     boost::archive::text_iarchive archive(counters);
     archive >> particles.handler();
     particles.handler().deserialize();
@@ -361,12 +415,25 @@ namespace selkie
         nodal_fields.update_ghosts();
       }
 
+    CellTransfer<dim>      partition(mesh);
+    dealii::Vector<double> weights(mesh.n_active_cells());
+    partition.deserialize(weights);
+
     CheckpointState state = from_json(json.get_child("state"));
-    state.run             = read_text(folder + "/run");
+    state.run             = run;
     particles.accounting  = state.accounting;
     // deal.II shares the cells out evenly, whoever had them before.
-    if (dealii::Utilities::MPI::n_mpi_processes(comm) > 1)
-      nodal_fields.carry_along([&particles] { particles.rebalance(); });
+    const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(comm);
+    if (n_ranks > 1)
+      nodal_fields.carry_along([&] {
+        if (n_ranks == json.get<unsigned int>("ranks"))
+          particles.rebalance([&weights](const auto &cell) {
+            return static_cast<unsigned int>(
+              weights[cell->active_cell_index()]);
+          });
+        else
+          particles.rebalance();
+      });
     return state;
   }
 

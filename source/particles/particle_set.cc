@@ -189,6 +189,19 @@ namespace selkie
 
   template <int dim>
   void
+  ParticleSet<dim>::rebalance(const CellWeight &weight)
+  {
+    const boost::signals2::shared_connection_block points_do_not_count(
+      weight_connection);
+    const boost::signals2::scoped_connection weight_counts(
+      mesh.signals.weight.connect(
+        [&weight](const auto &cell, const auto) { return weight(cell); }));
+    rebalance();
+  }
+
+
+  template <int dim>
+  void
   ParticleSet<dim>::remesh(const std::function<void()> &change)
   {
     if (scene.lagrangian_mesh())

@@ -206,8 +206,7 @@ namespace selkie
                         "On several ranks: so often it is looked at how evenly "
                         "they share the points, and where the fullest has a "
                         "fifth more than the mean the cells are shared out "
-                        "anew. 0: only before a checkpoint. Units: "
-                        "none.",
+                        "anew. 0: never. Units: none.",
                         Integer(0));
       declare_walls(prm, domain);
       declare_refinements(prm, names.refinements, domain);

@@ -1100,7 +1100,8 @@ Which test shows it; tests by their names in `ctest -N`, those with a capital le
 | the message names node, body and the terms with the largest residual | `failures.numerical.newton_says_where`, `failures.numerical.ranks_without_unknowns` |
 | a start that fails ends with reason, verdict and what to do | `failures.numerical.at_start` |
 | a failure while the mesh is adapted ends with its reason, the last checkpoint stands | `SimulationMPI.AFailureWhileAdaptingKeepsTheLastCheckpoint` |
-| resumed: the same to the last digit, on one to three ranks and adaptive meshes (on several ranks with checkpoints by steps, not by the clock, as each shares the points out, and but where MUMPS solves more than 1000 unknowns, whose runs all differ by round-off); on other ranks to 1e-8 | `resume.same_ranks.*`, `resume.other_ranks.*` |
+| resumed: the same to the last digit, on one to three ranks and adaptive meshes (but where a scene asks for MUMPS on several ranks and has more than 1000 unknowns: no two such runs are the same); on other ranks to 1e-8 | `resume.same_ranks.*`, `resume.other_ranks.*` |
+| a checkpoint leaves no trace in the run that writes it: the same to the last digit with and without, on one to three ranks | `resume.leave_no_trace.*`, `CheckpointMPI.EachRankGetsItsCellsBack` |
 | killed at 20 random times, damaged checkpoints, full disc, folder gone | `resume.killed.20`, `resume.damaged`, `failures.write.*` |
 | nothing else: no crash, hang, lost point or silent end in random scenes | `hard.fuzz_500` |
 """

@@ -191,6 +191,71 @@ namespace
                                                 "acceleration y"};
 } // namespace
 
+namespace
+{
+  template <int dim>
+  std::vector<dealii::CellId>
+  own_cells(const dealii::Triangulation<dim> &mesh)
+  {
+    std::vector<dealii::CellId> cells;
+    for (const auto &cell : mesh.active_cell_iterators())
+      if (cell->is_locally_owned())
+        cells.push_back(cell->id());
+    return cells;
+  }
+
+  /// Ids in the order in which the handler iterates.
+  template <int dim>
+  std::vector<dealii::types::particle_index>
+  ids(const ParticleSet<dim> &particles)
+  {
+    std::vector<dealii::types::particle_index> result;
+    for (const auto &point : particles.handler())
+      result.push_back(point.get_id());
+    return result;
+  }
+
+  /// On as many ranks each gets the cells and points back that it had.
+  template <int dim>
+  void
+  check_partition(const typename ParticleSet<dim>::CellWeight &weight)
+  {
+    const TemporaryFolder folder(MPI_COMM_WORLD);
+    Matter<dim>           matter(two_blocks<dim>());
+    matter.particles.rebalance(weight);
+    const NodeCloud<dim> cloud(*matter.mesh);
+    const std::string    path = write_checkpoint(folder.path,
+                                              matter.scene,
+                                              matter.particles,
+                                              *matter.mesh,
+                                              cloud.dof_handler(),
+                                              {},
+                                              0.1,
+                                              5,
+                                              0.01);
+    Matter<dim>          resumed(two_blocks<dim>());
+    CarriedFields<dim>   fields;
+    read_checkpoint(path, resumed.particles, *resumed.mesh, fields);
+    EXPECT_EQ(own_cells(*matter.mesh), own_cells(*resumed.mesh));
+    EXPECT_EQ(ids(matter.particles), ids(resumed.particles));
+  }
+} // namespace
+
+TEST(CheckpointMPI, EachRankGetsItsCellsBack)
+{
+  check_partition<2>([](const auto &) { return 1; });
+  check_partition<2>(
+    [](const auto &cell) { return cell->center()[0] < 0.3 ? 50 : 1; });
+  check_partition<3>(
+    [](const auto &cell) { return cell->center()[1] < 0.2 ? 1 : 3; });
+  // a cell that weighs as much as all others: ranks without any
+  for (const dealii::Point<2> &heavy :
+       {dealii::Point<2>(0.05, 0.05), dealii::Point<2>(0.7, 0.3)})
+    check_partition<2>([&heavy](const auto &cell) {
+      return cell->point_inside(heavy) ? 10000 : 1;
+    });
+}
+
 TEST(CheckpointMPI, NodesOfALagrangianMesh)
 {
   check_nodes_of_a_run(small_scenes::free_block(),

@@ -6,6 +6,7 @@
 CASE is a function of this file. Exit code 1 if anything differs.
 """
 import csv
+import json
 import os
 import random
 import shutil
@@ -46,13 +47,21 @@ def selkie(program, *arguments, ranks=1, kill_after=None):
     command = [program, *map(str, arguments)]
     if ranks > 1:
         command = ["mpirun", "--oversubscribe", "--bind-to", "none", "-np", str(ranks), *command]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          start_new_session=True) as process:
         try:
             said, _ = process.communicate(timeout=kill_after)
         except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
+            os.killpg(process.pid, signal.SIGKILL)  # mpirun and its ranks
             said, _ = process.communicate()
     return process.returncode, said
+
+
+def without_times(summary):
+    """What summary.json says of the run, not of the machine."""
+    return {key: value for key, value in json.loads(summary.read_text()).items()
+            if not any(word in key for word in ("time (s)", "timings", "by effect", "file"))
+            or key == "final time (s)"}
 
 
 def run(program, scene, folder, *settings, **options):
@@ -95,6 +104,8 @@ def pictures(folder):
 def expect_same(whole, resumed):
     for name, text in tables(whole).items():
         expect(tables(resumed)[name] == text, f"{name}: the same to the last digit")
+    expect(without_times(whole / "summary.json") == without_times(resumed / "summary.json"),
+           "summary.json: the same but for times")
     expect(pictures(whole) == pictures(resumed), f"particles.pvd: the same {len(pictures(whole))} pictures")
 
 
@@ -113,9 +124,23 @@ def same_ranks(program, folder, scene="dam_break", ranks="1"):
     code, said = selkie(program, "resume", folder / "half", ranks=ranks)
     expect(code == 0, f"resumed from step {int(steps[0])} to t = {end:g} s")
     expect_same(folder / "whole", folder / "half")
+    last = Path("checkpoint") / steps[1]
+    for file in sorted(p.name for p in (folder / "whole" / last).iterdir()):
+        if file not in ("run", "checkpoint.json"):  # these tell the time
+            expect((folder / "whole" / last / file).read_bytes() == (folder / "half" / last / file).read_bytes(),
+                   f"{last / file}: the same to the last byte")
     expect((folder / "half/log.txt").read_text().count("Resumed") == 1, "log.txt goes on")
     code, said = selkie(program, "resume", folder / "half", ranks=ranks)
     expect(code == 0 and "Nothing is left to do" in said, "a run at its end says so")
+
+
+def leave_no_trace(program, folder, scene="dam_break", ranks="2"):
+    """A run with checkpoints gives the same as one without: whenever the clock asks for one."""
+    ranks = int(ranks)
+    for name, steps in (("with", 3), ("without", 0)):
+        code, said = run(program, scene, folder / name, f"Output/Checkpoint steps={steps}", ranks=ranks)
+        expect(code == 0, f"the run {name} checkpoints")
+    expect_same(folder / "without", folder / "with")
 
 
 def other_ranks(program, folder, scene="dam_break"):
@@ -135,29 +160,29 @@ def other_ranks(program, folder, scene="dam_break"):
             expect(difference < 1e-8, f"{name}: differs by {difference:.1e}")
 
 
-def killed(program, folder, times="4"):
+def killed(program, folder, times="4", scene="dam_break", ranks="1"):
     """SIGKILL at random times, in and out of a checkpoint (one after every step)."""
-    every = "Output/Checkpoint steps=1"
+    every, ranks = "Output/Checkpoint steps=1", int(ranks)
     begin = time.time()
-    expect(run(program, "dam_break", folder / "whole", every)[0] == 0, "the whole run")
+    expect(run(program, scene, folder / "whole", every, ranks=ranks)[0] == 0, "the whole run")
     span = time.time() - begin
     seed = int(os.environ.get("SEED", random.randrange(10**6)))
     print(f"       SEED={seed}")
     rng = random.Random(seed)
     resumed = folder / "resumed"
-    code, kills = run(program, "dam_break", resumed, every, kill_after=rng.uniform(0.4, 0.6) * span)[0], 1
+    code, kills = run(program, scene, resumed, every, ranks=ranks, kill_after=rng.uniform(0.4, 0.6) * span)[0], 1
     while not (resumed / "checkpoint/last_good").exists():
-        code = run(program, "dam_break", resumed, every, kill_after=rng.uniform(0.5, 0.8) * span)[0]
+        code = run(program, scene, resumed, every, ranks=ranks, kill_after=rng.uniform(0.5, 0.8) * span)[0]
     while kills < int(times):
-        code, said = selkie(program, "resume", resumed, kill_after=rng.uniform(0.25, 0.5) * span)
+        code, said = selkie(program, "resume", resumed, ranks=ranks, kill_after=rng.uniform(0.25, 0.5) * span)
         expect(code in (0, -signal.SIGKILL), f"killed or done, not failed ({code})")
         kills += 1
         if code == 0:  # done: begin again
             shutil.rmtree(resumed)
-            run(program, "dam_break", resumed, every, kill_after=rng.uniform(0.6, 0.8) * span)
+            run(program, scene, resumed, every, ranks=ranks, kill_after=rng.uniform(0.6, 0.8) * span)
             if not (resumed / "checkpoint/last_good").exists():
-                run(program, "dam_break", resumed, every)
-    code, said = selkie(program, "resume", resumed)
+                run(program, scene, resumed, every, ranks=ranks)
+    code, said = selkie(program, "resume", resumed, ranks=ranks)
     expect(code == 0, f"after {kills} kills it comes to its end")
     expect_same(folder / "whole", resumed)
 

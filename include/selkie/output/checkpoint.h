@@ -63,8 +63,10 @@ namespace selkie
   /**
    * Takes mesh, material points and the nodes' fields from a checkpoint, on any
    * number of ranks; what they were before is gone, so that the same file gives
-   * the same, to the order of the cells. What hangs on the mesh must be gone
-   * before and built afterwards. Collective.
+   * the same, to the order of the cells. On as many ranks each gets the cells
+   * that it had when the checkpoint was written, on others the points are
+   * shared out anew. What hangs on the mesh must be gone before and built
+   * afterwards. Collective.
    * @param folder of the checkpoint
    * @param nodal_fields filled, to the bit as they were written
    * @throw SceneError, on all ranks, if it is unreadable, or if its points do

@@ -110,6 +110,14 @@ namespace selkie
     void
     rebalance();
 
+    /// The weight of an active cell in a partition.
+    using CellWeight = std::function<unsigned int(
+      const typename Mesh::active_cell_iterator &cell)>;
+
+    /// The same by other weights than the points.
+    void
+    rebalance(const CellWeight &weight);
+
     /// Lets @p change refine, coarsen or repartition the mesh, and puts the
     /// points into their cells again: deal.II's transfer loses some that lie on
     /// faces. Those of a Lagrangian mesh are seeded anew instead, in the
