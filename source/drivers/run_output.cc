@@ -117,7 +117,8 @@ namespace selkie
   template <int dim>
   void
   RunOutput<dim>::start(const ParticleSet<dim> &particles,
-                        const Stepper<dim>     &stepper)
+                        const Stepper<dim>     &stepper,
+                        const Outlook          &outlook)
   {
     open(particles, stepper);
     log.line("Solver    " + stepper.solver_in_use(scene.time.step));
@@ -126,13 +127,14 @@ namespace selkie
     write_fields(0., 0, nullptr, scene.time.step);
     record_effects(0., stepper, WallForces<dim>());
     start_wall = timers.wall_time();
-    forecast.emplace(0., scene.time.end_time, start_wall);
+    forecast.emplace(0., scene.time.end_time, start_wall, outlook);
   }
 
   template <int dim>
   void
   RunOutput<dim>::resume(const ParticleSet<dim> &particles,
                          const Stepper<dim>     &stepper,
+                         const Outlook          &outlook,
                          const RunState         &state)
   {
     so_far     = state;
@@ -147,7 +149,7 @@ namespace selkie
       recordings[i].next = state.next_records.at(i);
     if (scene.audit)
       audit = std::make_unique<RunAudit<dim>>(particles, state.audit);
-    forecast.emplace(start_time, scene.time.end_time, start_wall);
+    forecast.emplace(start_time, scene.time.end_time, start_wall, outlook);
   }
 
   template <int dim>

@@ -107,6 +107,15 @@ namespace selkie
     }
 
     template <int dim>
+    Outlook
+    outlook_of(const Scene<dim> &scene, const NodeCloud<dim> &cloud)
+    {
+      return look_ahead(scene,
+                        time_parameters(scene).max_move *
+                          smallest_spacing(scene, cloud));
+    }
+
+    template <int dim>
     std::unique_ptr<Stepper<dim>>
     make_stepper(Setup<dim> &setup, TimerTree &timers, Log &log)
     {
@@ -274,6 +283,7 @@ namespace selkie
     rehearse(const ParticleSet<dim> &particles,
              Stepper<dim>           &stepper,
              TimeControl            &time,
+             const Outlook          &outlook,
              TimerTree              &timers,
              Log                    &log)
     {
@@ -282,7 +292,10 @@ namespace selkie
       std::optional<RunAudit<dim>> audit;
       if (particles.scene.audit)
         audit.emplace(particles);
-      Rehearsal<dim>   result{{}, {time.now(), time.end(), begin}, {}, {}};
+      Rehearsal<dim>   result{{},
+                            {time.now(), time.end(), begin, outlook},
+                            {},
+                            {}};
       StepReport<dim> &report = result.report;
       bool             enough = false;
       for (unsigned int n = 0; !enough && !time.at_end(); ++n)
@@ -325,6 +338,7 @@ namespace selkie
     auto &particles = setup->particles;
 
     RunOutput<dim> output(scene, comm, log, timers, resumed);
+    const Outlook  outlook = outlook_of(scene, *setup->cloud);
     if (!found.damage.empty())
       log.line("          passed over a damaged checkpoint: " + found.damage);
     auto        stepper = make_stepper(*setup, timers, log);
@@ -339,7 +353,7 @@ namespace selkie
         const auto state = Utilities::unpack<RunState>(bytes, false);
         time.restore(state.time);
         stepper->restore(setup->nodal_fields, state.stepper);
-        output.resume(particles, *stepper, state);
+        output.resume(particles, *stepper, outlook, state);
         if (time.at_end())
           {
             log.line(
@@ -352,7 +366,7 @@ namespace selkie
       try
         {
           stepper->start(time.now(), time.step());
-          output.start(particles, *stepper);
+          output.start(particles, *stepper, outlook);
         }
       catch (const NumericalFailure &failure)
         {
@@ -412,7 +426,12 @@ namespace selkie
     describe_plan(scene,
                   setup.particles,
                   stepper,
-                  rehearse(setup.particles, stepper, time, timers, log),
+                  rehearse(setup.particles,
+                           stepper,
+                           time,
+                           outlook_of(scene, *setup.cloud),
+                           timers,
+                           log),
                   log);
   }
 

@@ -16,18 +16,6 @@ namespace selkie
 
   namespace
   {
-    /// The smallest value of g.x over the corners of a box.
-    template <int dim>
-    double
-    top_level(const BoundingBox<dim> &box, const Tensor<1, dim> &g)
-    {
-      double level = std::numeric_limits<double>::max();
-      for (unsigned int v = 0; v < (1u << dim); ++v)
-        level = std::min(level, g * Tensor<1, dim>(box.vertex(v)));
-      return level;
-    }
-
-
     /// Gives the points of fluids the pressure rho g depth, below the highest
     /// point of their body, and the volume ratio that belongs to it.
     template <int dim>

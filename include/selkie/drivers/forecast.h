@@ -1,5 +1,7 @@
 #pragma once
 
+#include <selkie/drivers/outlook.h>
+
 #include <algorithm>
 
 namespace selkie
@@ -17,8 +19,12 @@ namespace selkie
 
     /// @param t_0,t_end where the run begins and is to end (s)
     /// @param wall_0 time spent before its first step (s)
-    Forecast(const double t_0, const double t_end, const double wall_0)
-      : t_0(t_0)
+    Forecast(const double   t_0,
+             const double   t_end,
+             const double   wall_0,
+             const Outlook &outlook = Outlook())
+      : outlook(outlook)
+      , t_0(t_0)
       , t_end(t_end)
       , wall_0(wall_0)
       , warm_t(t_0)
@@ -64,19 +70,20 @@ namespace selkie
     double
     steps() const
     {
-      const double of_size = (t - warm_t) / (n > n_cold ? n - n_cold : n);
+      const double of_size =
+        std::min(outlook.largest_step,
+                 (t - warm_t) / (n > n_cold ? n - n_cold : n));
       return n + (t < t_end ? (t_end - t) / of_size : 0.);
     }
 
-    /// What later steps cost, relative to the first ones: more, since matter
-    /// spreads and meets, and Newton needs two or three iterations where rest
-    /// and free flight need one. The middle of what the shipped scenes show,
-    /// from 0.8 to 2.6 (doc/accuracy-and-time.md, times these factors).
+    /// What later steps cost, relative to the first ones: more than the outlook
+    /// says where Newton needs one iteration so far, which rest and free flight
+    /// do.
     double
     growth() const
     {
       const double newton = n > n_cold ? double(n_newton) / (n - n_cold) : 2.;
-      return 1.25 * (1. + 0.1 * std::max(0., 2. - newton));
+      return outlook.growth * (1. + 0.1 * std::max(0., 2. - newton));
     }
 
     /// Of the whole run (s).
@@ -87,9 +94,10 @@ namespace selkie
     }
 
   private:
-    const double t_0, t_end, wall_0;
-    double       warm_t, warm_wall, t, wall;
-    unsigned int n        = 0; ///< steps seen
-    unsigned int n_newton = 0; ///< iterations in them but the cold ones
+    const Outlook outlook;
+    const double  t_0, t_end, wall_0;
+    double        warm_t, warm_wall, t, wall;
+    unsigned int  n        = 0; ///< steps seen
+    unsigned int  n_newton = 0; ///< iterations in them but the cold ones
   };
 } // namespace selkie

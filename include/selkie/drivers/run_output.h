@@ -46,13 +46,17 @@ namespace selkie
               TimerTree        &timers,
               const bool        resumed);
 
+    /// @param outlook for the forecast of the run's time
     void
-    start(const ParticleSet<dim> &particles, const Stepper<dim> &stepper);
+    start(const ParticleSet<dim> &particles,
+          const Stepper<dim>     &stepper,
+          const Outlook          &outlook);
 
     /// Instead: from a checkpoint. What was written after it is taken back.
     void
     resume(const ParticleSet<dim> &particles,
            const Stepper<dim>     &stepper,
+           const Outlook          &outlook,
            const RunState         &state);
 
     /// After each step of size dt.

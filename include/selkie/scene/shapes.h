@@ -3,6 +3,8 @@
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/point.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -31,6 +33,18 @@ namespace selkie
     virtual double
     volume() const = 0;
   };
+
+  /// The smallest value of g.x in a box: of its highest point, g being gravity.
+  template <int dim>
+  double
+  top_level(const dealii::BoundingBox<dim> &box,
+            const dealii::Tensor<1, dim>   &g)
+  {
+    double level = std::numeric_limits<double>::max();
+    for (unsigned int v = 0; v < (1u << dim); ++v)
+      level = std::min(level, g * dealii::Tensor<1, dim>(box.vertex(v)));
+    return level;
+  }
 
   /**
    * Reads a shape from its text, e.g. `box(0, 0, 0.146, 0.292)`,
