@@ -16,6 +16,8 @@ namespace selkie
   PointTangent<dim, Number>::begin(const System<dim>       &system,
                                    const SupportTable<dim> &table)
   {
+    static_assert(lme_padding % lanes == 0,
+                  "node lists must be padded to full lanes");
     layout.partition = system.partitioner();
     layout.cells.clear();
     layout.first_unknowns.clear();

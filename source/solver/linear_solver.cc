@@ -37,6 +37,16 @@ namespace selkie
     return "";
   }
 
+  namespace
+  {
+    /// Whether products and node blocks are all that it needs.
+    bool
+    works_at_points(const SolverKind kind)
+    {
+      return kind == SolverKind::cg_hats || kind == SolverKind::cg_jacobi;
+    }
+  } // namespace
+
   template <int dim>
   LinearSolver<dim>::LinearSolver(const LinearSolverParameters &parameters,
                                   std::function<void(const std::string &)> log)
@@ -50,8 +60,7 @@ namespace selkie
                             const SystemTraits &traits) const
   {
     SolverChoice choice = choose_kind(system, traits);
-    if (dim == 3 && choice.kind == SolverKind::cg_hats && traits.lme &&
-        !traits.mixed)
+    if (dim == 3 && traits.lme && works_at_points(choice.kind))
       {
         choice.matrix = !traits.at_points;
         choice.reason +=
@@ -181,7 +190,7 @@ namespace selkie
   {
     const System<dim>  &system = problem.system;
     const SystemTraits &traits = problem.traits;
-    if (kind != SolverKind::cg_hats && system.points())
+    if (system.points() && !works_at_points(kind))
       problem.make_matrix();
     switch (kind)
       {

@@ -92,16 +92,8 @@ namespace selkie
     {
     public:
       explicit NodeBlockJacobi(const System<dim> &system)
-        : diagonal(system.n_owned_displacements() / dim)
-      {
-        int    *start, *column;
-        double *values;
-        system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
-        for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
-          for (int k = start[i]; k < start[i + 1]; ++k)
-            diagonal.add(i, column[k], values[k]);
-        diagonal.invert();
-      }
+        : diagonal(blocks_of(system))
+      {}
 
       void
       vmult(Vector &x, const Vector &b) const override
@@ -110,7 +102,24 @@ namespace selkie
       }
 
     private:
-      NodeDiagonal<dim, double> diagonal;
+      static NodeDiagonal<dim, double>
+      blocks_of(const System<dim> &system)
+      {
+        if (system.points())
+          return NodeDiagonal<dim, double>(system.points()->node_blocks());
+        NodeDiagonal<dim, double> diagonal(system.n_owned_displacements() /
+                                           dim);
+        int                      *start, *column;
+        double                   *values;
+        system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
+        for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
+          for (int k = start[i]; k < start[i + 1]; ++k)
+            diagonal.add(i, column[k], values[k]);
+        diagonal.invert();
+        return diagonal;
+      }
+
+      const NodeDiagonal<dim, double> diagonal;
     };
 
     /// ML on the matrix itself.
