@@ -88,6 +88,7 @@ namespace selkie
     kernel.forces        = DensePatch<dim>::force_steps(used);
     kernel.block         = DensePatch<dim>::block_steps(used);
     kernel.with_pressure = used.volume;
+    kernel.with_mass     = used.mass;
     return kernel;
   }
 
@@ -347,13 +348,16 @@ namespace selkie
       }
     for (const auto step : kernel.forces)
       (dense.*step)(state);
-    if (with_tangent)
+    const bool as_block = with_tangent && !system.points();
+    if (as_block)
       for (const auto step : kernel.block)
         (dense.*step)(state);
     book(integration);
     scatter_residual(patch, residual);
-    if (with_tangent && !kernel.block.empty())
+    if (as_block && !kernel.block.empty())
       tangent.add(unknowns, dense);
+    else if (with_tangent && !kernel.block.empty())
+      system.points()->add(unknowns, state, kernel.with_mass);
     book(scattering);
     if (with_tangent && !kernel.block.empty() && system.hats())
       {
@@ -390,8 +394,15 @@ namespace selkie
     fields.x.update_ghost_values();
     begin(table, time, fields);
     residual = 0.;
-    if (with_tangent)
-      tangent.begin(system.matrix(), pressure_unit);
+    PointTangent<dim, double> *points =
+      with_tangent ? system.points() : nullptr;
+    if (points)
+      points->begin(system, table);
+    else if (with_tangent)
+      {
+        system.want_matrix(table);
+        tangent.begin(system.matrix(), pressure_unit);
+      }
     const bool with_hats = with_tangent && system.hats();
     if (with_hats)
       hat_tangent.begin(*system.hats(), pressure_unit);
@@ -420,7 +431,9 @@ namespace selkie
     throw_on_all_ranks<InvertedPoint>(residual.get_mpi_communicator(), failure);
 
     residual.compress(VectorOperation::add);
-    if (with_tangent)
+    if (points)
+      points->finish();
+    else if (with_tangent)
       tangent.finish();
     if (with_hats)
       hat_tangent.finish();
@@ -444,7 +457,9 @@ namespace selkie
                          time.newmark,
                          residual,
                          with_tangent ? &diagonal : nullptr);
-    if (with_tangent)
+    if (with_tangent && system.points())
+      system.points()->add_diagonal(diagonal);
+    else if (with_tangent)
       tangent.add_diagonal(diagonal);
     if (with_tangent && system.hats())
       hat_tangent.add_diagonal(diagonal);

@@ -41,9 +41,13 @@ namespace selkie
     number_unknowns(occupancy, table);
     const std::size_t hash    = structure_hash(table);
     const MPI_Comm    comm    = cloud.partitioner()->get_mpi_communicator();
-    const bool        changed = hash != last_hash || sparsity_builds == 0;
+    const bool        changed = hash != last_hash || structures == 0;
     if (Utilities::MPI::max(changed ? 1 : 0, comm) == 1)
-      build_sparsity(table);
+      {
+        ++structures;
+        tangent.reset();
+        hat_tangent.reset();
+      }
     last_hash = hash;
   }
 
@@ -237,8 +241,11 @@ namespace selkie
 
   template <int dim>
   void
-  System<dim>::build_sparsity(const SupportTable<dim> &table)
+  System<dim>::want_matrix(const SupportTable<dim> &table)
   {
+    point_tangent.reset();
+    if (tangent)
+      return;
     std::vector<Coupling> couplings;
     for (const auto &patch : table.patches)
       if (patch.matter || patch.contact)
@@ -249,16 +256,23 @@ namespace selkie
                                bool((pressure_phases >> patch.phase) & 1u)});
         }
     tangent = make_matrix(couplings);
-    ++sparsity_builds;
-    hat_tangent.reset();
-    if (hats_wanted)
-      build_hats(table);
   }
 
   template <int dim>
   void
-  System<dim>::build_hats(const SupportTable<dim> &table)
+  System<dim>::want_points()
   {
+    tangent.reset();
+    if (!point_tangent)
+      point_tangent = std::make_unique<PointTangent<dim, double>>();
+  }
+
+  template <int dim>
+  void
+  System<dim>::want_hats(const SupportTable<dim> &table)
+  {
+    if (hat_tangent)
+      return;
     constexpr unsigned int    n_corners = 1u << dim;
     std::vector<unsigned int> corners;
     for (const auto &patch : table.patches)
@@ -285,15 +299,6 @@ namespace selkie
           couplings.push_back({first, first + patch.n_nodes, false});
         }
     hat_tangent = make_matrix(couplings);
-  }
-
-  template <int dim>
-  void
-  System<dim>::want_hats(const SupportTable<dim> &table)
-  {
-    hats_wanted = true;
-    if (!hat_tangent)
-      build_hats(table);
   }
 
   template <int dim>

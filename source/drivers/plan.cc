@@ -36,18 +36,23 @@ namespace selkie
                       const StepReport<dim> &report,
                       Log                   &log)
     {
-      const double nonzeros = stepper.system().matrix().n_nonzero_elements();
+      const double nonzeros = stepper.system().n_nonzero_elements();
       log.line(format("Unknowns  %llu at the start, %u a node%s",
                       report.unknowns,
                       dim,
                       scene.has_fluid()    ? " and one pressure in the fluid"
                       : scene.mixed_solids ? " and one pressure"
                                            : ""));
-      log.line(
-        format("Matrix    %.0f non-zeros, %.1f MB, %.0f bytes an unknown",
-               nonzeros,
-               12e-6 * nonzeros,
-               12. * nonzeros / report.unknowns));
+      if (const auto *points = stepper.system().points())
+        log.line(format("Matrix    none; the tangent at the points takes %.1f "
+                        "MB on this rank",
+                        1e-6 * points->memory_consumption()));
+      else
+        log.line(
+          format("Matrix    %.0f non-zeros, %.1f MB, %.0f bytes an unknown",
+                 nonzeros,
+                 12e-6 * nonzeros,
+                 12. * nonzeros / report.unknowns));
     }
 
     /// What one update of a nodal vector moves between the ranks.

@@ -166,8 +166,8 @@ namespace selkie
     so_far.largest_error = std::max(so_far.largest_error, report.time_error);
     last_dt              = dt;
     so_far.unknowns      = std::max(so_far.unknowns, report.unknowns);
-    so_far.nonzeros      = std::max<unsigned long long>(
-      so_far.nonzeros, stepper.system().matrix().n_nonzero_elements());
+    so_far.nonzeros =
+      std::max(so_far.nonzeros, stepper.system().n_nonzero_elements());
     if (audit)
       audit->record(time.now(), report);
     write_row(particles, stepper, time, dt, report);

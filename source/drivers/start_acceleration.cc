@@ -27,6 +27,7 @@ namespace selkie
         if (term->use().acceleration)
           inertia.push_back(term);
       Vector rhs(residual);
+      unknowns.want_matrix(table);
       Assembler<dim>(inertia, unknowns)
         .assemble(table, time, fields, 1., true, rhs);
       rhs = 0.;

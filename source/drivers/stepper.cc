@@ -178,7 +178,11 @@ namespace selkie
     traits.lme   = scene.approximation == Approximation::lme_mpm;
     traits.mixed = scene.has_pressure();
     for (const auto &term : terms)
-      traits.symmetric = traits.symmetric && term->symmetric(newmark, h);
+      {
+        const TermUse use = term->use();
+        traits.symmetric  = traits.symmetric && term->symmetric(newmark, h);
+        traits.at_points  = traits.at_points && !use.volume && !use.mean;
+      }
     return traits;
   }
 
@@ -258,30 +262,36 @@ namespace selkie
       assembler.assemble(
         table, time, fields, scales.pressure_unit, false, residual);
     };
-    problem.solve =
-      [this,
-       &time](Vector &, const Vector &, Vector &dx, const double tolerance) {
-        Vector             rhs(dx);
-        const SystemTraits what = traits(time.newmark);
-        if (linear_solver.wants_hats(unknowns, what))
-          unknowns.want_hats(table);
-        {
-          TimerTree::Scope scope(timers, "tangent");
-          assembler.assemble(
-            table, time, fields, scales.pressure_unit, true, rhs);
-        }
-        TimerTree::Scope   scope(timers, "linear solve");
-        const unsigned int n_u = unknowns.n_owned_displacements();
-        for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
-          rhs.local_element(i) *= unknowns.held(i) ? 0.
-                                  : i < n_u        ? -1.
-                                                   : -scales.pressure_unit;
-        const auto report =
-          linear_solver.solve({unknowns, what, rhs, tolerance}, dx);
-        for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
-          dx.local_element(i) *= scales.pressure_unit;
-        return report.iterations;
+    problem.solve = [this, &time](Vector &,
+                                  const Vector &,
+                                  Vector      &dx,
+                                  const double tolerance) {
+      Vector             rhs(dx), unused(dx);
+      const SystemTraits what = traits(time.newmark);
+      if (linear_solver.wants_hats(unknowns, what))
+        unknowns.want_hats(table);
+      const auto assemble = [&](const bool as_matrix, Vector &residual) {
+        TimerTree::Scope scope(timers, "tangent");
+        if (as_matrix)
+          unknowns.want_matrix(table);
+        else
+          unknowns.want_points();
+        assembler.assemble(
+          table, time, fields, scales.pressure_unit, true, residual);
       };
+      assemble(linear_solver.wants_matrix(unknowns, what), rhs);
+      TimerTree::Scope   scope(timers, "linear solve");
+      const unsigned int n_u = unknowns.n_owned_displacements();
+      for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
+        rhs.local_element(i) *= unknowns.held(i) ? 0.
+                                : i < n_u        ? -1.
+                                                 : -scales.pressure_unit;
+      const auto report = linear_solver.solve(
+        {unknowns, what, rhs, tolerance, [&] { assemble(true, unused); }}, dx);
+      for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
+        dx.local_element(i) *= scales.pressure_unit;
+      return report.iterations;
+    };
     problem.error = [this](const Vector &residual) {
       return scales.error(residual_norms(unknowns, residual),
                           scene.newton.tolerance);

@@ -37,6 +37,16 @@ namespace selkie
     return "";
   }
 
+  namespace
+  {
+    /// Whether products and node blocks are all that it needs.
+    bool
+    works_at_points(const SolverKind kind)
+    {
+      return kind == SolverKind::cg_hats || kind == SolverKind::cg_jacobi;
+    }
+  } // namespace
+
   template <int dim>
   LinearSolver<dim>::LinearSolver(const LinearSolverParameters &parameters,
                                   std::function<void(const std::string &)> log)
@@ -48,6 +58,23 @@ namespace selkie
   SolverChoice
   LinearSolver<dim>::choose(const System<dim>  &system,
                             const SystemTraits &traits) const
+  {
+    SolverChoice choice = choose_kind(system, traits);
+    if (dim == 3 && traits.lme && works_at_points(choice.kind))
+      {
+        choice.matrix = !traits.at_points;
+        choice.reason +=
+          traits.at_points
+            ? "; 3D: without a matrix"
+            : "; with a matrix: not all terms are of points alone";
+      }
+    return choice;
+  }
+
+  template <int dim>
+  SolverChoice
+  LinearSolver<dim>::choose_kind(const System<dim>  &system,
+                                 const SystemTraits &traits) const
   {
     if (parameters.kind != SolverKind::automatic)
       return {parameters.kind, "the scene says so"};
@@ -68,6 +95,14 @@ namespace selkie
     return {SolverKind::gmres_block,
             "mixed, " + std::to_string(parameters.direct_below) +
               " unknowns or more"};
+  }
+
+  template <int dim>
+  bool
+  LinearSolver<dim>::wants_matrix(const System<dim>  &system,
+                                  const SystemTraits &traits) const
+  {
+    return gave_up || choose(system, traits).matrix;
   }
 
   template <int dim>
@@ -155,6 +190,8 @@ namespace selkie
   {
     const System<dim>  &system = problem.system;
     const SystemTraits &traits = problem.traits;
+    if (system.points() && !works_at_points(kind))
+      problem.make_matrix();
     switch (kind)
       {
         case SolverKind::cg_ml:
@@ -204,7 +241,7 @@ namespace selkie
       return report;
     };
     if (multigrid.preconditioner != nullptr &&
-        multigrid.matrix == system.shared_matrix() &&
+        multigrid.unknowns == system.partitioner() &&
         multigrid.last <= 1.25 * multigrid.first + 0.4)
       try
         {
@@ -214,9 +251,9 @@ namespace selkie
         {} // a new one may do better
     multigrid.preconditioner =
       make_preconditioner(kind, system, problem.traits);
-    multigrid.matrix  = system.shared_matrix();
-    const auto report = run(parameters.max_iterations);
-    multigrid.first   = multigrid.last;
+    multigrid.unknowns = system.partitioner();
+    const auto report  = run(parameters.max_iterations);
+    multigrid.first    = multigrid.last;
     return report;
   }
 
@@ -247,7 +284,7 @@ namespace selkie
         report.iterations +=
           correct(correction, residual, tolerance / report.residual);
         x += correction;
-        problem.system.matrix().vmult(residual, x);
+        problem.system.vmult(residual, x);
         residual.sadd(-1., 1., rhs);
         report.residual = residual.l2_norm() / size;
         if (!std::isfinite(report.residual))
@@ -272,46 +309,45 @@ namespace selkie
                             const unsigned int    max_iterations,
                             const System<dim>    &system) const
   {
-    return
-      [=, &preconditioner, &matrix = system.matrix()](Vector       &correction,
-                                                      const Vector &residual,
-                                                      const double  reduction) {
-        double norm = residual.l2_norm(), share = 0.5;
-        if (kind == SolverKind::minres_jacobi) // stops in another norm
+    return [=, &preconditioner, &system](Vector       &correction,
+                                         const Vector &residual,
+                                         const double  reduction) {
+      double norm = residual.l2_norm(), share = 0.5;
+      if (kind == SolverKind::minres_jacobi) // stops in another norm
+        {
+          preconditioner.vmult(correction, residual);
+          norm  = std::sqrt(std::abs(correction * residual));
+          share = 0.3;
+        }
+      SolverControl control(max_iterations,
+                            std::max(share * reduction, 1e-14) * norm);
+      correction     = 0.;
+      const auto run = [&](auto &&solver) {
+        try
           {
-            preconditioner.vmult(correction, residual);
-            norm  = std::sqrt(std::abs(correction * residual));
-            share = 0.3;
+            solver.solve(system, correction, residual, preconditioner);
           }
-        SolverControl control(max_iterations,
-                              std::max(share * reduction, 1e-14) * norm);
-        correction     = 0.;
-        const auto run = [&](auto &&solver) {
-          try
-            {
-              solver.solve(matrix, correction, residual, preconditioner);
-            }
-          catch (const SolverControl::NoConvergence &)
-            {
-              throw LinearSolverFailure(
-                to_string(kind) + ": no convergence in " +
-                std::to_string(max_iterations) + " iterations");
-            }
-          catch (const dealii::ExceptionBase &error)
-            {
-              throw LinearSolverFailure(to_string(kind) + ": breakdown (" +
-                                        error.get_exc_name() + ")");
-            }
-        };
-        if (kind == SolverKind::minres_jacobi)
-          run(SolverMinRes<Vector>(control));
-        else if (kind == SolverKind::gmres_block)
-          run(SolverGMRES<Vector>(
-            control, typename SolverGMRES<Vector>::AdditionalData(62, true)));
-        else
-          run(SolverCG<Vector>(control));
-        return control.last_step();
+        catch (const SolverControl::NoConvergence &)
+          {
+            throw LinearSolverFailure(to_string(kind) + ": no convergence in " +
+                                      std::to_string(max_iterations) +
+                                      " iterations");
+          }
+        catch (const dealii::ExceptionBase &error)
+          {
+            throw LinearSolverFailure(to_string(kind) + ": breakdown (" +
+                                      error.get_exc_name() + ")");
+          }
       };
+      if (kind == SolverKind::minres_jacobi)
+        run(SolverMinRes<Vector>(control));
+      else if (kind == SolverKind::gmres_block)
+        run(SolverGMRES<Vector>(
+          control, typename SolverGMRES<Vector>::AdditionalData(62, true)));
+      else
+        run(SolverCG<Vector>(control));
+      return control.last_step();
+    };
   }
 
   template class LinearSolver<2>;

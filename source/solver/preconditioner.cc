@@ -45,6 +45,13 @@ namespace selkie
         : blocks(n_nodes)
       {}
 
+      /// @param blocks of the diagonal, not yet inverted
+      explicit NodeDiagonal(std::vector<Tensor<2, dim, Number>> &&blocks)
+        : blocks(std::move(blocks))
+      {
+        invert();
+      }
+
       void
       add(const unsigned int row, const unsigned int column, const double value)
       {
@@ -85,16 +92,8 @@ namespace selkie
     {
     public:
       explicit NodeBlockJacobi(const System<dim> &system)
-        : diagonal(system.n_owned_displacements() / dim)
-      {
-        int    *start, *column;
-        double *values;
-        system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
-        for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
-          for (int k = start[i]; k < start[i + 1]; ++k)
-            diagonal.add(i, column[k], values[k]);
-        diagonal.invert();
-      }
+        : diagonal(blocks_of(system))
+      {}
 
       void
       vmult(Vector &x, const Vector &b) const override
@@ -103,7 +102,24 @@ namespace selkie
       }
 
     private:
-      NodeDiagonal<dim, double> diagonal;
+      static NodeDiagonal<dim, double>
+      blocks_of(const System<dim> &system)
+      {
+        if (system.points())
+          return NodeDiagonal<dim, double>(system.points()->node_blocks());
+        NodeDiagonal<dim, double> diagonal(system.n_owned_displacements() /
+                                           dim);
+        int                      *start, *column;
+        double                   *values;
+        system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
+        for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
+          for (int k = start[i]; k < start[i + 1]; ++k)
+            diagonal.add(i, column[k], values[k]);
+        diagonal.invert();
+        return diagonal;
+      }
+
+      const NodeDiagonal<dim, double> diagonal;
     };
 
     /// ML on the matrix itself.
@@ -111,8 +127,9 @@ namespace selkie
     class Ml : public Preconditioner
     {
     public:
-      Ml(const System<dim> &system, const Epetra_CrsMatrix &matrix)
-        : ml(matrix, dim, rigid_body_modes(system))
+      explicit Ml(const System<dim> &system)
+        : matrix(system.shared_matrix())
+        , ml(matrix->epetra(), dim, rigid_body_modes(system))
       {}
 
       void
@@ -122,7 +139,8 @@ namespace selkie
       }
 
     private:
-      const Multigrid ml;
+      const std::shared_ptr<const SystemMatrix> matrix;
+      const Multigrid                           ml;
     };
 
     template <int dim>
@@ -137,19 +155,42 @@ namespace selkie
       return diagonal;
     }
 
-    /// The displacement block of the system's matrix, and what is near its
-    /// inverse.
     template <int dim>
+    std::shared_ptr<NodeDiagonal<dim, float>>
+    diagonal_of(const PointTangent<dim, float> &A, const unsigned int)
+    {
+      return std::make_shared<NodeDiagonal<dim, float>>(A.node_blocks());
+    }
+
+    /// A vector to multiply the system's tangent with.
+    template <int dim>
+    FloatVector
+    float_vector(const System<dim> &system)
+    {
+      if (!system.points())
+        return float_vector(system.matrix());
+      FloatVector result;
+      result.reinit(system.partitioner());
+      return result;
+    }
+
+    /// The displacement block of the system's tangent, and what is near its
+    /// inverse.
+    template <int dim, typename Operator>
     class DisplacementBlock
     {
     public:
       /// @param hats the same block of the hat functions' matrix; it has to
       ///   outlive this
-      DisplacementBlock(const System<dim> &system, const Epetra_CrsMatrix &hats)
-        : A(system, Part::displacements, Part::displacements)
+      /// @param what of which to make the operator
+      template <typename... What>
+      DisplacementBlock(const System<dim>      &system,
+                        const Epetra_CrsMatrix &hats,
+                        const What &...what)
+        : A(what...)
         , inverse(A,
                   diagonal_of<dim>(A, system.n_owned_displacements() / dim),
-                  float_vector(system.matrix()),
+                  float_vector(system),
                   0,
                   system.n_owned_displacements(),
                   std::make_unique<const Multigrid>(hats,
@@ -157,19 +198,45 @@ namespace selkie
                                                     rigid_body_modes(system)))
       {}
 
-      const FloatBlock                                     A;
-      const TwoLevel<FloatBlock, NodeDiagonal<dim, float>> inverse;
+      const Operator                                     A;
+      const TwoLevel<Operator, NodeDiagonal<dim, float>> inverse;
+    };
+
+    /// The block of the system's matrix.
+    template <int dim>
+    class MatrixBlock : public DisplacementBlock<dim, FloatBlock>
+    {
+    public:
+      MatrixBlock(const System<dim> &system, const Epetra_CrsMatrix &hats)
+        : DisplacementBlock<dim, FloatBlock>(system,
+                                             hats,
+                                             system,
+                                             Part::displacements,
+                                             Part::displacements)
+      {}
+    };
+
+    /// The whole system, left at the points.
+    template <int dim>
+    class PointBlock : public DisplacementBlock<dim, PointTangent<dim, float>>
+    {
+    public:
+      PointBlock(const System<dim> &system, const Epetra_CrsMatrix &hats)
+        : DisplacementBlock<dim, PointTangent<dim, float>>(system,
+                                                           hats,
+                                                           *system.points())
+      {}
     };
 
     /// See make_hats().
-    template <int dim>
+    template <int dim, typename Block>
     class Hats : public Preconditioner
     {
     public:
       explicit Hats(const System<dim> &system)
         : hats(system.hats())
         , block(system, hats->epetra())
-        , in(float_vector(system.matrix()))
+        , in(float_vector(system))
         , out(in)
       {}
 
@@ -183,7 +250,7 @@ namespace selkie
 
     private:
       const std::shared_ptr<const SystemMatrix> hats;
-      const DisplacementBlock<dim>              block;
+      const Block                               block;
       mutable FloatVector                       in, out;
     };
 
@@ -389,7 +456,7 @@ namespace selkie
         , p(in)
       {
         if (with_solid)
-          A = std::make_unique<DisplacementBlock<dim>>(system, *hats.A);
+          A = std::make_unique<MatrixBlock<dim>>(system, *hats.A);
         else
           {
             const FloatBlock block(system,
@@ -425,7 +492,7 @@ namespace selkie
       const std::unique_ptr<Epetra_CrsMatrix>   S_hats;
       const Schur                               S;
       const TwoLevel<Schur, PressureDiagonal>   S_inverse;
-      std::unique_ptr<DisplacementBlock<dim>>   A;
+      std::unique_ptr<MatrixBlock<dim>>         A;
       std::shared_ptr<NodeDiagonal<dim, float>> A_diagonal;
       mutable FloatVector                       in, u, p;
     };
@@ -449,14 +516,16 @@ namespace selkie
   std::unique_ptr<const Preconditioner>
   make_ml(const System<dim> &system)
   {
-    return std::make_unique<Ml<dim>>(system, system.matrix().epetra());
+    return std::make_unique<Ml<dim>>(system);
   }
 
   template <int dim>
   std::unique_ptr<const Preconditioner>
   make_hats(const System<dim> &system)
   {
-    return std::make_unique<Hats<dim>>(system);
+    if (system.points())
+      return std::make_unique<Hats<dim, PointBlock<dim>>>(system);
+    return std::make_unique<Hats<dim, MatrixBlock<dim>>>(system);
   }
 
   template <int dim>

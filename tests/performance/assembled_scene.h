@@ -4,6 +4,7 @@
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/particles/particle_set.h>
+#include <selkie/shape/contact_pairs.h>
 #include <selkie/shape/lme_support.h>
 #include <selkie/shape/occupancy.h>
 #include <selkie/terms/effect_table.h>
@@ -19,8 +20,9 @@
 template <int dim>
 struct AssembledScene
 {
-  explicit AssembledScene(const std::string &text)
-    : scene(small_scenes::read<dim>(text))
+  explicit AssembledScene(const std::string              &text,
+                          const std::vector<std::string> &overrides = {})
+    : scene(small_scenes::read<dim>(text, overrides))
     , mesh(selkie::make_background_mesh<dim>(scene.domain, MPI_COMM_WORLD))
     , particles(scene, *mesh)
   {
@@ -28,13 +30,16 @@ struct AssembledScene
     particles.seed();
     cloud      = std::make_unique<NodeCloud<dim>>(*mesh,
                                              scene.lme.gamma,
-                                             scene.lme.support_tolerance);
+                                             scene.lme.support_tolerance,
+                                             scene.n_layers());
     conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
     system     = std::make_unique<System<dim>>(*cloud, *conditions, false);
     terms      = terms_of(scene);
     assembler  = std::make_unique<Assembler<dim>>(terms, *system);
     const auto occupancy = find_occupancy(particles, *cloud, false);
     fill_material_points(particles, *cloud, occupancy, table);
+    if (scene.contact)
+      add_contact_pairs(*cloud, occupancy, table);
     system->reinit(occupancy, table);
     project(particles,
             table,
@@ -44,6 +49,8 @@ struct AssembledScene
             Vector(),
             static_cast<const NodalState<dim> *>(nullptr),
             fields);
+    if (scene.wall_points)
+      add_wall_points(*cloud, *scene.wall_points, table);
     system->initialize(residual);
   }
 

@@ -34,6 +34,7 @@ namespace
       const auto      occupancy = find_occupancy(particles, *cloud, false);
       fill_material_points(particles, *cloud, occupancy, table);
       system->reinit(occupancy, table);
+      system->want_matrix(table);
       for (auto *vector : {&rhs, &x, &residual})
         system->initialize(*vector);
       system->matrix().clear();

@@ -54,9 +54,9 @@ namespace selkie
     /**
      * Residual at @p fields.x, prescribed rows included (they hold minus the
      * reactions), summed over the ranks.
-     * @param with_tangent also fills System::matrix() and, if there is one,
-     *        System::hats(): rows and columns of
-     *        prescribed unknowns keep their diagonal only, and pressure rows
+     * @param with_tangent also fills the tangent that the System has, points()
+     *        or else matrix(), and hats(), if there is that: rows and columns
+     *        of prescribed unknowns keep their diagonal only, and pressure rows
      *        and columns are multiplied by @p pressure_unit (Pa).
      * Throws InvertedPoint when det f is not above 0.05 at some point; on
      * every rank.
@@ -105,7 +105,7 @@ namespace selkie
       std::vector<Preparation>                    prepare;
       std::vector<unsigned int>                   terms; ///< in `terms`
       std::vector<typename DensePatch<dim>::Step> forces, block;
-      bool                                        with_pressure = false;
+      bool with_pressure = false, with_mass = false;
     };
     Kernel
     compose(const PatchKind &kind, const bool for_energy) const;

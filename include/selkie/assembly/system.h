@@ -1,6 +1,7 @@
 #pragma once
 
 #include <selkie/assembly/node_conditions.h>
+#include <selkie/assembly/point_tangent.h>
 #include <selkie/assembly/system_matrix.h>
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/shape/occupancy.h>
@@ -33,8 +34,8 @@ namespace selkie
            const NodeConditions<dim> &conditions,
            const unsigned int         pressure_phases);
 
-    /// Numbers the unknowns anew; builds the sparsity pattern only when node
-    /// lists or numbers have changed on some rank. Collective.
+    /// Numbers the unknowns anew; matrices are lost when node lists or numbers
+    /// have changed on some rank. Collective.
     void
     reinit(const Occupancy<dim> &occupancy, const SupportTable<dim> &table);
 
@@ -113,7 +114,34 @@ namespace selkie
       vector.reinit(partition);
     }
 
-    /// The matrix of the present sparsity; its values are the assembler's.
+    /// From now on the tangent is a matrix. Its sparsity is built unless there
+    /// is one that fits. Collective.
+    void
+    want_matrix(const SupportTable<dim> &table);
+
+    /// From now on the tangent stays at the points: there is no matrix.
+    void
+    want_points();
+
+    /// The tangent at the points, or nullptr if it is a matrix.
+    PointTangent<dim, double> *
+    points() const
+    {
+      return point_tangent.get();
+    }
+
+    /// y = K x with the tangent as it is. Collective.
+    void
+    vmult(Vector &y, const Vector &x) const
+    {
+      if (point_tangent)
+        point_tangent->vmult(y, x);
+      else
+        tangent->vmult(y, x);
+    }
+
+    /// The matrix of the present sparsity, once it was wanted; its values are
+    /// the assembler's.
     SystemMatrix &
     matrix()
     {
@@ -134,6 +162,13 @@ namespace selkie
       return tangent;
     }
 
+    /// Entries of the matrix; zero without one.
+    unsigned long long
+    n_nonzero_elements() const
+    {
+      return tangent ? tangent->n_nonzero_elements() : 0;
+    }
+
     /// Local indices of the pressures at the corners of a cell.
     using CornerIndices = std::array<unsigned int, (1u << dim)>;
 
@@ -142,10 +177,9 @@ namespace selkie
     corner_pressures(const typename NodeCloud<dim>::Cell &cell,
                      CornerIndices                       &indices) const;
 
-    /// From now on there is a second matrix on the same unknowns, for the hat
-    /// functions of the cells that hold points: a preconditioner's. Its
-    /// sparsity is built when it is asked for, and with every new one of
-    /// matrix(). Collective.
+    /// A second matrix on the same unknowns, for the hat functions of the cells
+    /// that hold points: a preconditioner's. It is there until reinit() finds
+    /// that the structure has changed. Collective.
     void
     want_hats(const SupportTable<dim> &table);
 
@@ -156,10 +190,11 @@ namespace selkie
       return hat_tangent;
     }
 
+    /// How often node lists or numbers have changed.
     unsigned int
-    n_sparsity_builds() const
+    n_structures() const
     {
-      return sparsity_builds;
+      return structures;
     }
 
     const NodeCloud<dim>      &cloud;
@@ -178,10 +213,6 @@ namespace selkie
     };
     std::shared_ptr<SystemMatrix>
     make_matrix(const std::vector<Coupling> &couplings) const;
-    void
-    build_sparsity(const SupportTable<dim> &table);
-    void
-    build_hats(const SupportTable<dim> &table);
     std::size_t
     structure_hash(const SupportTable<dim> &table) const;
 
@@ -194,9 +225,9 @@ namespace selkie
     dealii::types::global_dof_index n_p_global = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
-    std::shared_ptr<SystemMatrix> tangent, hat_tangent;
-    std::size_t                   last_hash       = 0;
-    unsigned int                  sparsity_builds = 0;
-    bool                          hats_wanted     = false;
+    std::shared_ptr<SystemMatrix>              tangent, hat_tangent;
+    std::unique_ptr<PointTangent<dim, double>> point_tangent;
+    std::size_t                                last_hash  = 0;
+    unsigned int                               structures = 0;
   };
 } // namespace selkie

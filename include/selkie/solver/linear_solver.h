@@ -19,9 +19,10 @@ namespace selkie
     bool   has_solid    = false;
     bool   lme          = false; ///< else hat functions themselves
     double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
+    bool   at_points    = true;  ///< the tangent can stay there: PointTangent
   };
 
-  /// K x = rhs with System::matrix().
+  /// K x = rhs with System::points() or System::matrix().
   template <int dim>
   struct LinearProblem
   {
@@ -29,6 +30,10 @@ namespace selkie
     const SystemTraits &traits;
     const Vector       &rhs;
     double              tolerance; ///< of the true residual, relative
+
+    /// Turns System::points() into System::matrix(), for solvers that need it.
+    /// May be missing if there is a matrix. Collective.
+    std::function<void()> make_matrix = {};
   };
 
   struct LinearSolveReport
@@ -44,15 +49,17 @@ namespace selkie
   {
     SolverKind  kind;
     std::string reason;
+    bool        matrix = true; ///< else it works with System::points()
   };
 
   /**
    * The linear solvers, after the measurements of solver.md and
    * doc/performance.md: conjugate gradients for solids, with node-block Jacobi
-   * below acoustic CFL 10 and multigrid above (TwoLevel for LME, ML for hat
-   * functions); GMRES with the block triangular preconditioner for mixed
-   * systems; the direct solver for small ones. On breakdown, stagnation or NaN
-   * the direct solver takes over, and says so. Every result, the direct
+   * below acoustic CFL 10 and multigrid above (TwoLevel for LME, in 3D without
+   * a matrix; ML for hat functions); GMRES with the block triangular
+   * preconditioner for mixed systems; the direct solver for small ones. On
+   * breakdown, stagnation or NaN the direct solver takes over, and says so, and
+   * a matrix is made for it if there was none. Every result, the direct
    * one too, is judged by its true residual: |rhs - K x| <= tolerance |rhs|,
    * or it is refined until it is.
    */
@@ -64,7 +71,12 @@ namespace selkie
     LinearSolver(const LinearSolverParameters            &parameters,
                  std::function<void(const std::string &)> log);
 
-    /// Whether the solver of this system needs System::hats().
+    /// Whether the solver of this system needs System::matrix(), or does with
+    /// System::points().
+    bool
+    wants_matrix(const System<dim> &system, const SystemTraits &traits) const;
+
+    /// Whether it needs System::hats().
     bool
     wants_hats(const System<dim> &system, const SystemTraits &traits) const;
 
@@ -96,6 +108,9 @@ namespace selkie
     choose(const System<dim> &system, const SystemTraits &traits) const;
 
   private:
+    SolverChoice
+    choose_kind(const System<dim> &system, const SystemTraits &traits) const;
+
     /// A correction of x that removes a residual up to `reduction` of it;
     /// returns the iterations it took.
     using Correction = std::function<unsigned int(Vector       &correction,
@@ -120,8 +135,8 @@ namespace selkie
     /// Of the present or an earlier matrix of the step.
     struct Multigrid
     {
-      std::shared_ptr<const SystemMatrix>   matrix;
-      std::unique_ptr<const Preconditioner> preconditioner; ///< refers to it
+      std::shared_ptr<const SystemMatrix::Partitioner> unknowns;
+      std::unique_ptr<const Preconditioner>            preconditioner;
 
       double first = 0, last = 0; ///< iterations per digit
     };

@@ -1,0 +1,167 @@
+#pragma once
+
+#include <selkie/base/types.h>
+#include <selkie/shape/simd.h>
+#include <selkie/terms/patch_state.h>
+
+#include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/partitioner.h>
+#include <deal.II/base/subscriptor.h>
+
+#include <memory>
+#include <vector>
+
+namespace selkie
+{
+  template <int dim>
+  class System;
+
+  /// Whose unknowns the patches of a PointTangent reach, and where they are.
+  struct PointTangentLayout
+  {
+    /// A patch. Its functions are n_rows rows a point: N if there is mass, and
+    /// the gradients.
+    struct Cell
+    {
+      unsigned int n_points, n_nodes, n_padded, n_rows;
+      unsigned int first_node;        ///< in first_unknowns
+      unsigned int first_forms;       ///< of its points
+      std::size_t  functions, stride; ///< of its first point, to the next one
+    };
+
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
+
+    std::vector<Cell>         cells;
+    std::vector<unsigned int> first_unknowns; ///< of each node of a list
+    std::vector<bool>         is_held;        ///< by local unknown
+    std::vector<unsigned int> held;           ///< the owned ones
+  };
+
+  /**
+   * The tangent of a System without pressures, left at the points instead of
+   * summed into a matrix: with what the terms leave there (PointForm), and what
+   * they leave at nodes on a diagonal,
+   *
+   *   y_a = sum_q (stiffness_q : sum_b x_b (x) G_b) G_a
+   *             + mass_q (sum_b N_b x_b) N_a  + diagonal_a x_a,
+   *
+   * patch by patch. As in a SystemMatrix, rows and columns of prescribed
+   * unknowns keep their diagonal only. A product takes 1.5 times that with the
+   * matrix, but in 3D to assemble the matrix takes a hundred products
+   * (doc/performance.md, "Matrix-free or not").
+   *
+   * In double precision it is filled by the assembler and reads the functions
+   * in the support table, which must outlive it; in single precision, for
+   * preconditioners, it is a copy that depends on nothing.
+   */
+  template <int dim, typename Number>
+  class PointTangent : public dealii::Subscriptor
+  {
+  public:
+    using VectorType = dealii::LinearAlgebra::distributed::Vector<Number>;
+
+    PointTangent() = default;
+
+    /// A copy, with its own copy of the functions.
+    explicit PointTangent(const PointTangent<dim, double> &other);
+
+    /// Empties it, for the unknowns of a system and patches of a table.
+    void
+    begin(const System<dim> &system, const SupportTable<dim> &table);
+
+    /// Takes what the terms left at the points of a patch.
+    /// @param unknowns of the patch, component-major
+    /// @param with_mass whether PointForm::mass may differ from zero
+    void
+    add(const std::vector<unsigned int> &unknowns,
+        const PatchState<dim>           &state,
+        const bool                       with_mass);
+
+    /// Adds to the diagonal of owned rows.
+    void
+    add_diagonal(const Vector &more);
+
+    /// Sends what belongs to other ranks. Collective.
+    void
+    finish();
+
+    /// y = K x in the owned rows; vectors in the system's layout. Collective.
+    void
+    vmult(VectorType &y, const VectorType &x) const;
+
+    /// The diagonal blocks of the owned nodes, in their order. Collective.
+    std::vector<dealii::Tensor<2, dim, Number>>
+    node_blocks() const;
+
+    /// In the system's layout.
+    void
+    initialize(VectorType &vector) const
+    {
+      vector.reinit(layout.partition);
+    }
+
+    /// What it holds, on this rank (bytes).
+    std::size_t
+    memory_consumption() const;
+
+  private:
+    template <int, typename>
+    friend class PointTangent;
+
+    using Lanes                         = simd::NativeOf<Number>;
+    static constexpr unsigned int lanes = sizeof(Lanes) / sizeof(Number);
+    using Cell                          = PointTangentLayout::Cell;
+
+    /// The forms of as many points as there are lanes.
+    struct Forms
+    {
+      Lanes mass                          = {};
+      Lanes stiffness[dim][dim][dim][dim] = {}; ///< from (k, l) to (i, j)
+
+      template <int n_rows>
+      void
+      apply(const Lanes (&x)[dim][n_rows], Lanes (&flux)[dim][n_rows]) const;
+    };
+
+    void
+    add_cell(Cell cell);
+    void
+    copy_forms(const PointTangent<dim, double> &other, const Cell &from);
+    void
+    add_held_diagonal(const Cell &cell);
+
+    // Of one patch. n_rows: dim, or one more with mass.
+    void
+    gather(const Cell &cell) const;
+    template <int n_rows>
+    void
+    apply(const Cell &cell, Number *y) const;
+    template <int n_rows>
+    void
+    interpolate(const Cell        &cell,
+                const Number      *rows,
+                const unsigned int lane,
+                Lanes (&result)[dim][n_rows]) const;
+    template <int n_rows>
+    void
+    add_forces(const Cell &cell, Number *y) const;
+    template <int n_rows>
+    void
+    find_blocks(const Cell        &cell,
+                const unsigned int a,
+                Lanes (&blocks)[dim][dim]) const;
+    template <typename Action>
+    void
+    for_each_block(const Cell &cell, const Action &action) const;
+
+    PointTangentLayout            layout;
+    std::vector<Forms>            forms;
+    VectorType                    diagonal;
+    const Number                 *functions = nullptr;
+    dealii::AlignedVector<Number> own_functions; ///< of a copy
+
+    // Scratch: a vector with its ghosts, and what belongs to one patch.
+    mutable VectorType                    wide;
+    mutable dealii::AlignedVector<Number> values, fluxes;
+  };
+} // namespace selkie
