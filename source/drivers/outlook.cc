@@ -10,7 +10,7 @@ namespace selkie
   namespace
   {
     /// The work of gravity on a kilogram that falls from the top of the highest
-    /// fluid to the level of all matter at rest (J/kg).
+    /// fluid to the floor, if anything does (J/kg).
     template <int dim>
     double
     fall(const Scene<dim> &scene)
@@ -30,8 +30,8 @@ namespace selkie
             highest =
               std::min(highest, top_level(body.shape->bounding_box(), g));
         }
-      const double drop = floor - filled * depth - highest;
-      return drop > 0.1 * (floor - highest) ? drop : 0.;
+      const double sinks = floor - filled * depth - highest;
+      return sinks > 0.1 * (floor - highest) ? floor - highest : 0.;
     }
   } // namespace
 

@@ -18,13 +18,14 @@ namespace selkie
   };
 
   /**
-   * What a scene says of its later steps. Its fluids fall, from where the
-   * highest of them ends to the level at which all matter of the scene would
-   * lie at rest in the whole box: a step becomes so small that points of that
-   * speed, sqrt(2 g drop), do not go too far. If they may meet solids, Newton
-   * needs a third iteration where the first steps need two, and Krylov's method
-   * more as well. A fall of less than a tenth of the fluids' height is none:
-   * they stand on something. Nothing is known of imported meshes.
+   * What a scene says of its later steps. Fluids whose top stands above the
+   * level at which all matter of the scene would lie at rest in the whole box
+   * will fall, the first of it to the floor: a step becomes so small that
+   * points of that speed, sqrt(2 g height), do not go too far. If they may meet
+   * solids, Newton needs a third iteration where the first steps need two, and
+   * Krylov's method more as well. Where less than a tenth of the height is to
+   * be lost nothing falls: the fluid stands on something. Nothing is known of
+   * imported meshes.
    * @param farthest that a point may move in a step (m)
    */
   template <int dim>
