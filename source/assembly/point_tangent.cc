@@ -40,7 +40,8 @@ namespace selkie
     initialize(wide);
   }
 
-  /// A patch, with room for what belongs to it.
+  /// A patch, with room for what belongs to it. (Sizes are those of the largest
+  /// patch.)
   template <int dim, typename Number>
   void
   PointTangent<dim, Number>::add_cell(Cell cell)
@@ -164,14 +165,19 @@ namespace selkie
   PointTangent<dim, Number>::copy_forms(const PointTangent<dim, double> &other,
                                         const Cell                      &from)
   {
-    constexpr unsigned int n     = sizeof(Forms) / sizeof(Lanes);
     constexpr unsigned int width = PointTangent<dim, double>::lanes;
+    const unsigned int     first = layout.cells.back().first_forms;
     for (unsigned int q = 0; q < from.n_points; ++q)
       {
-        const auto *in = &other.forms[from.first_forms + q / width].mass;
-        auto *out = &forms[layout.cells.back().first_forms + q / lanes].mass;
-        for (unsigned int k = 0; k < n; ++k)
-          out[k][q % lanes] = in[k][q % width];
+        const auto        &in  = other.forms[from.first_forms + q / width];
+        Forms             &out = forms[first + q / lanes];
+        const unsigned int i = q % width, o = q % lanes;
+        out.mass[o] = in.mass[i];
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            for (unsigned int c = 0; c < dim; ++c)
+              for (unsigned int d = 0; d < dim; ++d)
+                out.stiffness[a][b][c][d][o] = in.stiffness[a][b][c][d][i];
       }
   }
 

@@ -182,14 +182,12 @@ namespace selkie
     public:
       /// @param hats the same block of the hat functions' matrix; it has to
       ///   outlive this
-      /// @param what of which to make the operator
-      template <typename... What>
-      DisplacementBlock(const System<dim>      &system,
-                        const Epetra_CrsMatrix &hats,
-                        const What &...what)
-        : A(what...)
-        , inverse(A,
-                  diagonal_of<dim>(A, system.n_owned_displacements() / dim),
+      DisplacementBlock(const System<dim>                &system,
+                        const Epetra_CrsMatrix           &hats,
+                        std::unique_ptr<const Operator> &&block)
+        : A(std::move(block))
+        , inverse(*A,
+                  diagonal_of<dim>(*A, system.n_owned_displacements() / dim),
                   float_vector(system),
                   0,
                   system.n_owned_displacements(),
@@ -198,44 +196,28 @@ namespace selkie
                                                     rigid_body_modes(system)))
       {}
 
-      const Operator                                     A;
+      const std::unique_ptr<const Operator>              A;
       const TwoLevel<Operator, NodeDiagonal<dim, float>> inverse;
     };
 
-    /// The block of the system's matrix.
+    /// A copy of the matrix's block.
     template <int dim>
-    class MatrixBlock : public DisplacementBlock<dim, FloatBlock>
+    std::unique_ptr<const FloatBlock>
+    displacements_of(const System<dim> &system)
     {
-    public:
-      MatrixBlock(const System<dim> &system, const Epetra_CrsMatrix &hats)
-        : DisplacementBlock<dim, FloatBlock>(system,
-                                             hats,
-                                             system,
-                                             Part::displacements,
-                                             Part::displacements)
-      {}
-    };
-
-    /// The whole system, left at the points.
-    template <int dim>
-    class PointBlock : public DisplacementBlock<dim, PointTangent<dim, float>>
-    {
-    public:
-      PointBlock(const System<dim> &system, const Epetra_CrsMatrix &hats)
-        : DisplacementBlock<dim, PointTangent<dim, float>>(system,
-                                                           hats,
-                                                           *system.points())
-      {}
-    };
+      return std::make_unique<const FloatBlock>(system,
+                                                Part::displacements,
+                                                Part::displacements);
+    }
 
     /// See make_hats().
-    template <int dim, typename Block>
+    template <int dim, typename Operator>
     class Hats : public Preconditioner
     {
     public:
-      explicit Hats(const System<dim> &system)
+      Hats(const System<dim> &system, std::unique_ptr<const Operator> &&A)
         : hats(system.hats())
-        , block(system, hats->epetra())
+        , block(system, hats->epetra(), std::move(A))
         , in(float_vector(system))
         , out(in)
       {}
@@ -250,7 +232,7 @@ namespace selkie
 
     private:
       const std::shared_ptr<const SystemMatrix> hats;
-      const Block                               block;
+      const DisplacementBlock<dim, Operator>    block;
       mutable FloatVector                       in, out;
     };
 
@@ -456,14 +438,12 @@ namespace selkie
         , p(in)
       {
         if (with_solid)
-          A = std::make_unique<MatrixBlock<dim>>(system, *hats.A);
+          A = std::make_unique<DisplacementBlock<dim, FloatBlock>>(
+            system, *hats.A, displacements_of(system));
         else
           {
-            const FloatBlock block(system,
-                                   Part::displacements,
-                                   Part::displacements);
-            A_diagonal =
-              diagonal_of<dim>(block, system.n_owned_displacements() / dim);
+            A_diagonal = diagonal_of<dim>(*displacements_of(system),
+                                          system.n_owned_displacements() / dim);
           }
       }
 
@@ -488,13 +468,13 @@ namespace selkie
       }
 
     private:
-      const Blocks                              hats;
-      const std::unique_ptr<Epetra_CrsMatrix>   S_hats;
-      const Schur                               S;
-      const TwoLevel<Schur, PressureDiagonal>   S_inverse;
-      std::unique_ptr<MatrixBlock<dim>>         A;
-      std::shared_ptr<NodeDiagonal<dim, float>> A_diagonal;
-      mutable FloatVector                       in, u, p;
+      const Blocks                                        hats;
+      const std::unique_ptr<Epetra_CrsMatrix>             S_hats;
+      const Schur                                         S;
+      const TwoLevel<Schur, PressureDiagonal>             S_inverse;
+      std::unique_ptr<DisplacementBlock<dim, FloatBlock>> A;
+      std::shared_ptr<NodeDiagonal<dim, float>>           A_diagonal;
+      mutable FloatVector                                 in, u, p;
     };
   } // namespace
 
@@ -523,9 +503,12 @@ namespace selkie
   std::unique_ptr<const Preconditioner>
   make_hats(const System<dim> &system)
   {
-    if (system.points())
-      return std::make_unique<Hats<dim, PointBlock<dim>>>(system);
-    return std::make_unique<Hats<dim, MatrixBlock<dim>>>(system);
+    if (!system.points())
+      return std::make_unique<Hats<dim, FloatBlock>>(system,
+                                                     displacements_of(system));
+    using Points = PointTangent<dim, float>;
+    return std::make_unique<Hats<dim, Points>>(
+      system, std::make_unique<const Points>(*system.points()));
   }
 
   template <int dim>

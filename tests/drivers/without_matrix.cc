@@ -63,12 +63,14 @@ end
       : scene(small_scenes::read<3>(hanging_block(), overrides))
       , mesh(make_background_mesh(scene.domain, MPI_COMM_WORLD))
       , particles(scene, *mesh)
-      , cloud(*mesh, scene.lme.gamma, scene.lme.support_tolerance)
       , timers(MPI_COMM_WORLD)
     {
-      particles.seed();
+      particles.seed(); // deals the mesh out anew
+      cloud   = std::make_unique<NodeCloud<3>>(*mesh,
+                                             scene.lme.gamma,
+                                             scene.lme.support_tolerance);
       stepper = std::make_unique<Stepper<3>>(
-        scene, particles, cloud, timers, [this](const std::string &line) {
+        scene, particles, *cloud, timers, [this](const std::string &line) {
           said += line + '\n';
         });
       stepper->start(0., scene.time.step);
@@ -89,7 +91,7 @@ end
     Scene<3>                                                         scene;
     std::unique_ptr<dealii::parallel::distributed::Triangulation<3>> mesh;
     ParticleSet<3>                                                   particles;
-    NodeCloud<3>                                                     cloud;
+    std::unique_ptr<NodeCloud<3>>                                    cloud;
     TimerTree                                                        timers;
     std::unique_ptr<Stepper<3>>                                      stepper;
     std::string                                                      said;

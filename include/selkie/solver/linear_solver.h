@@ -19,7 +19,7 @@ namespace selkie
     bool   has_solid    = false;
     bool   lme          = false; ///< else hat functions themselves
     double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
-    bool   at_points    = true;  ///< the tangent can stay there: PointTangent
+    bool   at_points    = true;  ///< PointTangent can be its tangent
   };
 
   /// K x = rhs with System::points() or System::matrix().
@@ -54,9 +54,9 @@ namespace selkie
 
   /**
    * The linear solvers, after the measurements of solver.md and
-   * doc/performance.md: conjugate gradients for solids, with node-block Jacobi
-   * below acoustic CFL 10 and multigrid above (TwoLevel for LME, in 3D without
-   * a matrix; ML for hat functions); GMRES with the block triangular
+   * doc/performance.md: conjugate gradients for solids (for LME in 3D without a
+   * matrix), with node-block Jacobi below acoustic CFL 10 and multigrid above
+   * (TwoLevel for LME, ML for hat functions); GMRES with the block triangular
    * preconditioner for mixed systems; the direct solver for small ones. On
    * breakdown, stagnation or NaN the direct solver takes over, and says so, and
    * a matrix is made for it if there was none. Every result, the direct
@@ -108,6 +108,7 @@ namespace selkie
     choose(const System<dim> &system, const SystemTraits &traits) const;
 
   private:
+    /// The choice but for the matrix.
     SolverChoice
     choose_kind(const System<dim> &system, const SystemTraits &traits) const;
 
