@@ -60,12 +60,12 @@ namespace selkie
                             const SystemTraits &traits) const
   {
     SolverChoice choice = choose_kind(system, traits);
-    if (dim == 3 && traits.lme && works_at_points(choice.kind))
+    if (traits.lme && works_at_points(choice.kind))
       {
         choice.matrix = !traits.at_points;
         choice.reason +=
           traits.at_points
-            ? "; 3D: without a matrix"
+            ? "; without a matrix"
             : "; with a matrix: not all terms are of points alone";
       }
     return choice;

@@ -103,9 +103,9 @@ def counts(selkie):
     yield iterations("dam break on obstacle, GMRES", water, 14)
     bars = [Run(selkie, *bar(factor, *EXACT)) for factor in (1, 2)]
     yield iterations("3D bar, CG", bars, 14)
-    # Of the cantilever 4 kB are wanted and not reached: more than today is a
-    # failure. The difference drops what the program takes without points.
-    for name, runs, bound in (("cantilever", beams, 5.5), ("dam break on obstacle", water, 10),
+    # Of the cantilever 4 kB are wanted, and half a kilobyte is this machine's
+    # noise. The difference drops what the program takes without points.
+    for name, runs, bound in (("cantilever", beams, 4.5), ("dam break on obstacle", water, 10),
                                ("3D bar", bars, 12)):
         kilobytes = ((runs[1].memory - runs[0].memory) / 1e3
                      / (runs[1].points - runs[0].points))

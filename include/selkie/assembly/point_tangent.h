@@ -46,9 +46,9 @@ namespace selkie
    *             + mass_q (sum_b N_b x_b) N_a  + diagonal_a x_a,
    *
    * patch by patch. As in a SystemMatrix, rows and columns of prescribed
-   * unknowns keep their diagonal only. A product takes 1.5 times that with the
-   * matrix, but in 3D to assemble the matrix takes a hundred products
-   * (doc/performance.md, "Matrix-free or not").
+   * unknowns keep their diagonal only. A product takes up to twice that with
+   * the matrix, but to assemble the matrix takes twenty products in 2D and a
+   * hundred in 3D (doc/performance.md, "Matrix-free or not").
    *
    * In double precision it is filled by the assembler and reads the functions
    * in the support table, which must outlive it; in single precision, for

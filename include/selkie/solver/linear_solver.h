@@ -54,7 +54,7 @@ namespace selkie
 
   /**
    * The linear solvers, after the measurements of solver.md and
-   * doc/performance.md: conjugate gradients for solids (for LME in 3D without a
+   * doc/performance.md: conjugate gradients for solids (for LME without a
    * matrix), with node-block Jacobi below acoustic CFL 10 and multigrid above
    * (TwoLevel for LME, ML for hat functions); GMRES with the block triangular
    * preconditioner for mixed systems; the direct solver for small ones. On
