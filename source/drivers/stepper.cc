@@ -266,7 +266,7 @@ namespace selkie
                                   const Vector &,
                                   Vector      &dx,
                                   const double tolerance) {
-      Vector             rhs(dx), unused(dx);
+      Vector             rhs(dx);
       const SystemTraits what = traits(time.newmark);
       if (linear_solver.wants_hats(unknowns, what))
         unknowns.want_hats(table);
@@ -286,8 +286,12 @@ namespace selkie
         rhs.local_element(i) *= unknowns.held(i) ? 0.
                                 : i < n_u        ? -1.
                                                  : -scales.pressure_unit;
-      const auto report = linear_solver.solve(
-        {unknowns, what, rhs, tolerance, [&] { assemble(true, unused); }}, dx);
+      const auto make_matrix = [&] {
+        Vector same_residual(dx);
+        assemble(true, same_residual);
+      };
+      const auto report =
+        linear_solver.solve({unknowns, what, rhs, tolerance, make_matrix}, dx);
       for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
         dx.local_element(i) *= scales.pressure_unit;
       return report.iterations;
@@ -475,101 +479,6 @@ namespace selkie
   }
 
   template <int dim>
-  typename Stepper<dim>::NodalFields
-  Stepper<dim>::nodal_fields(const double dt) const
-  {
-    NodalFields   result;
-    const Newmark scheme = newmark(dt);
-    if (scene.inertia)
-      {
-        result.mass.reinit(cloud.partitioner());
-        for (auto &component : result.velocity)
-          component.reinit(cloud.partitioner());
-      }
-    if (scene.has_pressure())
-      result.pressure.reinit(cloud.partitioner());
-    for (const unsigned int node : unknowns.owned_nodes())
-      {
-        const unsigned int u = unknowns.displacement(node);
-        for (unsigned int d = 0; scene.inertia && d < dim; ++d)
-          result.velocity[d].local_element(node) =
-            fields.velocity(scheme, u + d);
-        if (scene.inertia)
-          result.mass.local_element(node) = fields.mass.local_element(u);
-        if (unknowns.pressure(node) != invalid_index)
-          result.pressure.local_element(node) =
-            fields.x.local_element(unknowns.pressure(node));
-      }
-    if (nodes)
-      {
-        result.displacement = nodes->displacement;
-        if (scene.inertia)
-          result.velocity = nodes->velocity; // hanging nodes, too
-      }
-    for (auto &component : result.velocity)
-      component.update_ghost_values();
-    result.mass.update_ghost_values();
-    result.pressure.update_ghost_values();
-    return result;
-  }
-
-  template <int dim>
-  std::map<std::string, const Vector *>
-  Stepper<dim>::kept_fields() const
-  {
-    std::map<std::string, const Vector *> fields;
-    for (unsigned int d = 0; nodes && d < dim; ++d)
-      {
-        fields[component_name("displacement", d)] = &nodes->displacement[d];
-        fields[component_name("velocity", d)]     = &nodes->velocity[d];
-        fields[component_name("acceleration", d)] = &nodes->acceleration[d];
-      }
-    if (scene.has_pressure())
-      fields["pressure"] = &stored_pressure;
-    if (release)
-      fields["released walls"] = &release->kept_walls(cloud);
-    return fields;
-  }
-
-  template <int dim>
-  void
-  Stepper<dim>::restore(const CarriedFields<dim> &carried,
-                        const KeptNumbers        &numbers)
-  {
-    kept               = numbers;
-    const auto restore = [&](const std::string &name, Vector &field) {
-      const Vector &values = carried.values.at(name);
-      for (unsigned int node = 0; node < cloud.n_owned(); ++node)
-        field.local_element(node) = values(cloud.global_index(node));
-      field.update_ghost_values();
-    };
-    for (unsigned int d = 0; nodes && d < dim; ++d)
-      {
-        restore(component_name("displacement", d), nodes->displacement[d]);
-        restore(component_name("velocity", d), nodes->velocity[d]);
-        restore(component_name("acceleration", d), nodes->acceleration[d]);
-      }
-    if (scene.has_pressure())
-      restore("pressure", stored_pressure);
-    if (release)
-      {
-        Vector walls(cloud.partitioner());
-        restore("released walls", walls);
-        release->restore(walls);
-      }
-  }
-
-  template <int dim>
-  void
-  Stepper<dim>::go_on_from(const CarriedFields<dim> &fields,
-                           const KeptNumbers        &numbers,
-                           const CostLedger         &costs)
-  {
-    restore(fields, numbers);
-    assembler.go_on_from(costs);
-  }
-
-  template <int dim>
   std::vector<std::string>
   Stepper<dim>::term_names() const
   {
@@ -594,6 +503,7 @@ namespace selkie
     return out.str();
   }
 
+  // All but what stepper_fields.cc has.
   template class Stepper<2>;
   template class Stepper<3>;
 } // namespace selkie
