@@ -46,7 +46,7 @@ namespace selkie
       return result;
     result.largest_step = farthest / std::sqrt(2. * work);
     if (scene.has_solid())
-      result.growth = 1.5;
+      result.growth = 2.1;
     return result;
   }
 

@@ -1,5 +1,6 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/solver/linear_solver.h>
+#include <selkie/solver/paced_control.h>
 #include <selkie/solver/preconditioner.h>
 
 #include <deal.II/base/exceptions.h>
@@ -278,9 +279,12 @@ namespace selkie
       return report;
 
     Vector residual(rhs), correction(rhs);
-    report.residual = 1.;
-    for (unsigned int n = 0; n < max_corrections; ++n)
+    report.residual     = 1.;
+    double       before = 0.;
+    unsigned int n      = 0;
+    do
       {
+        before = report.residual;
         report.iterations +=
           correct(correction, residual, tolerance / report.residual);
         x += correction;
@@ -292,12 +296,13 @@ namespace selkie
                                     ": the residual is not finite");
         if (report.residual <= tolerance)
           return report;
-      }
+    } while (++n < max_corrections && report.residual < before);
     std::ostringstream text;
     text.precision(2);
     text << report.solver << ": the true residual is " << report.residual
-         << " of the right-hand side after " << max_corrections
-         << " corrections, above the tolerance of " << tolerance;
+         << " of the right-hand side after " << n
+         << (n == 1 ? " correction" : " corrections")
+         << ", above the tolerance of " << tolerance;
     throw LinearSolverFailure(text.str());
   }
 
@@ -319,19 +324,22 @@ namespace selkie
           norm  = std::sqrt(std::abs(correction * residual));
           share = 0.3;
         }
-      SolverControl control(max_iterations,
-                            std::max(share * reduction, 1e-14) * norm);
-      correction     = 0.;
-      const auto run = [&](auto &&solver) {
+      const double   tolerance = std::max(share * reduction, 1e-14) * norm;
+      SolverControl  plain(max_iterations, tolerance);
+      PacedControl   paced(max_iterations, tolerance);
+      SolverControl &control = kind == SolverKind::gmres_block ? paced : plain;
+      correction             = 0.;
+      const auto run         = [&](auto &&solver) {
         try
           {
             solver.solve(system, correction, residual, preconditioner);
           }
-        catch (const SolverControl::NoConvergence &)
+        catch (const SolverControl::NoConvergence &failure)
           {
-            throw LinearSolverFailure(to_string(kind) + ": no convergence in " +
-                                      std::to_string(max_iterations) +
-                                      " iterations");
+            throw LinearSolverFailure(
+              to_string(kind) + ": no convergence in " +
+              std::to_string(std::min(failure.last_step, max_iterations)) +
+              " iterations");
           }
         catch (const dealii::ExceptionBase &error)
           {

@@ -5,10 +5,13 @@
 #include <selkie/shape/lme_support.h>
 #include <selkie/solver/direct_solver.h>
 #include <selkie/solver/linear_solver.h>
+#include <selkie/solver/paced_control.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../small_scenes.h"
 
@@ -173,6 +176,31 @@ TEST(LinearSolverMPI, TooFewIterationsAreSaid)
   EXPECT_NE(problem.log.find("no convergence in 1 iterations"),
             std::string::npos)
     << problem.log;
+}
+
+TEST(PacedControl, EndsWhatWouldNotComeToItsEnd)
+{
+  using State         = dealii::SolverControl::State;
+  const auto ended_at = [](const auto &residual) {
+    PacedControl control(2000, 1e-8);
+    unsigned int n     = 0;
+    State        state = control.check(0, residual(0));
+    while (state == State::iterate)
+      ++n, state = control.check(n, residual(n));
+    return std::make_pair(state, n);
+  };
+  const auto pace = [](const double share) {
+    return [share](const unsigned int n) { return std::pow(share, n); };
+  };
+  // 1835 iterations of 1 % would do, but not 3675 of half a per cent.
+  EXPECT_EQ(ended_at(pace(0.990)), std::make_pair(State::success, 1833u));
+  EXPECT_EQ(ended_at(pace(0.995)), std::make_pair(State::failure, 120u));
+  EXPECT_EQ(ended_at([](unsigned int) { return 1.; }).first, State::failure);
+  // One that stops half way.
+  EXPECT_EQ(ended_at([](const unsigned int n) {
+              return std::pow(0.95, std::min(n, 150u));
+            }),
+            std::make_pair(State::failure, 360u));
 }
 
 TEST(LinearSolverMPI, ASingularMatrixIsATypedFailure)
