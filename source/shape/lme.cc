@@ -77,8 +77,8 @@ namespace selkie
     constexpr double small_step       = 1.5e-3; // |step|: vexp_small suffices
     constexpr double longest_step     = 10.;    // |step|
     constexpr double accurate_step    = 1e-10;  // |step|: nothing left to gain
-    constexpr double wall_inverse     = 1e9;  // |H^-1|: at the hull's boundary
-    constexpr double inward_shift     = 1e-8; // see (L8)
+    constexpr double wall_inverse     = 1e9; // |H^-1|: at the hull's boundary
+    constexpr double inward_shifts[]  = {1e-8, 1e-10, 1e-12}; // see (L8)
     constexpr double roundoff_outside = 1e-12;
 
     /// The components of a vector, for one node in each lane.
@@ -485,19 +485,47 @@ namespace selkie
     }
 
 
-    /// The point inward_shift * h nearer to the mean of the nodes, which is
-    /// strictly inside their hull.
+    /// From x to a point that is strictly inside the nodes' hull: a mean of
+    /// theirs in which no two count alike, which keeps away from planes of
+    /// symmetry. In these the functions of either side are tiny, and H with
+    /// them.
     template <int dim>
-    Point<dim>
-    shifted_inward(const LmeNodes<dim> &nodes, const Point<dim> &x)
+    Tensor<1, dim>
+    inward_direction(const LmeNodes<dim> &nodes, const Point<dim> &x)
     {
-      Tensor<1, dim> inward;
+      constexpr double golden = 0.6180339887498949;
+      Tensor<1, dim>   inward;
       for (unsigned int a = 0; a < nodes.n; ++a)
-        for (unsigned int d = 0; d < dim; ++d)
-          inward[d] += (nodes.x[d][a] - x[d]) / nodes.n;
-      const double distance = inward.norm();
-      return distance > 0. ? x + (inward_shift * nodes.h / distance) * inward
-                           : x;
+        {
+          const double count = 1. + a * golden - std::floor(a * golden);
+          for (unsigned int d = 0; d < dim; ++d)
+            inward[d] += count * (nodes.x[d][a] - x[d]);
+        }
+      const double norm = inward.norm();
+      return norm > 0. ? inward / norm : inward;
+    }
+
+    /// N at x from N and its gradients at the kernel's point (L8). Returns
+    /// whether none is more negative than by round-off.
+    template <int dim>
+    bool
+    extrapolate(GeneralKernel<dim> &kernel,
+                const Point<dim>   &x,
+                const double       *grad)
+    {
+      const LmeNodes<dim> &nodes = kernel.nodes;
+      const Tensor<1, dim> back  = x - kernel.x;
+      const double         least = -roundoff(x, nodes.h) / nodes.h;
+      bool                 fits  = true;
+      for (unsigned int a = 0; a < nodes.n; ++a)
+        {
+          double &N = kernel.E[a];
+          for (unsigned int d = 0; d < dim; ++d)
+            N += grad[d * nodes.n_padded + a] * back[d];
+          fits = fits && N >= least;
+          N    = std::max(N, 0.);
+        }
+      return fits;
     }
 
     /// Points that the plain iteration gave up: at the boundary of the hull
@@ -510,29 +538,25 @@ namespace selkie
       const Point<dim>     x     = kernel.x;
       if (kernel.is_outside())
         throw OutsideHull<dim>(x, "it lies outside the hull of its nodes");
-
-      kernel.x = shifted_inward(nodes, x);
-      kernel.start(kernel.lambda);
-      if (!kernel.newton(false))
-        throw OutsideHull<dim>(x,
-                               "the iteration for lambda does not converge: "
-                               "outside the hull, or nodes all in one plane");
-
       std::vector<double> own_gradients(grad ? 0 : dim * nodes.n_padded);
       if (grad == nullptr)
         grad = own_gradients.data();
-      kernel.normalise();
-      kernel.gradients(grad);
-      const Tensor<1, dim> back = x - kernel.x;
-      for (unsigned int a = 0; a < nodes.n; ++a)
+      const Tensor<1, dim> inward = inward_direction(nodes, x);
+      for (const double shift : inward_shifts)
         {
-          double &N = kernel.E[a];
-          for (unsigned int d = 0; d < dim; ++d)
-            N += grad[d * nodes.n_padded + a] * back[d];
-          if (N * nodes.h < -roundoff(x, nodes.h))
-            throw OutsideHull<dim>(x, "it lies outside the hull of its nodes");
-          N = std::max(N, 0.);
+          kernel.x = x + shift * nodes.h * inward;
+          kernel.start(kernel.lambda);
+          if (!kernel.newton(false))
+            throw OutsideHull<dim>(
+              x,
+              "the iteration for lambda does not converge: "
+              "outside the hull, or nodes all in one plane");
+          kernel.normalise();
+          kernel.gradients(grad);
+          if (extrapolate(kernel, x, grad))
+            return;
         }
+      throw OutsideHull<dim>(x, "it lies outside the hull of its nodes");
     }
   } // namespace
 

@@ -39,7 +39,7 @@ SCENES = {  # file, what makes it small; each carries something else along
                   "Adaptivity/Strain error=0.02"]),
     "membrane": (BENCHMARKS / "cook_membrane.prm", []),  # nodes of finite elements, static
     "falling_mesh": (ROOT / "tests" / "failures" / "imported_mesh.prm",  # a mesh from a file beside the scene's
-                     ["Effects=inertia, gravity", "Output/Interval=0.05"]),
+                     ["Effects=inertia, gravity", "Output/Interval=0.05", "Domain/Mesh/Global refinements=2"]),
     "release": (ROOT / "tests" / "scenes" / "wall_release.prm", []),  # nodes let go by walls
 }
 

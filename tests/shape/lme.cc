@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <set>
 
 using namespace selkie;
 using dealii::AlignedVector;
@@ -322,6 +324,69 @@ TYPED_TEST(Lme, TowardsWallsEdgesAndCorners)
         }
   this->RecordProperty("worst_gradient_identity_1e12",
                        std::to_string(1e12 * worst));
+}
+
+
+// The nodes of the cells that points happen to be in, when round-off decides on
+// which side of a face each of them lies: hulls with oblique faces and edges,
+// and points up to 1e-12 h inside them. Towards such an edge functions tend to
+// zero like distance^p with p near 1, which the step back of (L8) makes
+// negative; it is made from nearer then. Of 20 000 such points 2 are refused in
+// 3D (18 if all steps are 1e-8 h). Next to planes of symmetry H is small, and
+// round-off of 1e-16 in it leaves some per cent in gradients.
+TYPED_TEST(Lme, RaggedHulls)
+{
+  constexpr int                      dim     = TypeParam::value;
+  constexpr unsigned int             n_cells = dim == 3 ? 27 : 9;
+  std::mt19937                       random(7);
+  std::uniform_int_distribution<int> coin(0, 1), third(0, 2);
+  unsigned int                       refused = 0;
+  for (unsigned int trial = 0; trial < 20000; ++trial)
+    {
+      std::set<std::array<int, dim>> corners;
+      for (unsigned int c = 0; c < n_cells; ++c)
+        if (c == n_cells / 2 || third(random) == 0)
+          for (unsigned int v = 0; v < (1u << dim); ++v)
+            {
+              std::array<int, dim> corner;
+              for (unsigned int d = 0, rest = c; d < dim; ++d, rest /= 3)
+                corner[d] = rest % 3 + ((v >> d) & 1);
+              corners.insert(corner);
+            }
+      std::vector<Point<dim>> points;
+      for (const auto &corner : corners)
+        {
+          points.emplace_back();
+          for (unsigned int d = 0; d < dim; ++d)
+            points.back()[d] = corner[d];
+        }
+      const double  gamma = gammas[trial % gammas.size()];
+      LmeNodes<dim> nodes;
+      nodes.reinit(points, std::vector<double>(points.size(), gamma), 1.);
+
+      // A corner, edge or face of the cell in the middle, from inside.
+      Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double inside   = 1e-13 * (trial % 11) * (1 + coin(random));
+          const double places[] = {1. + inside, 2. - inside, 1.4};
+          x[d]                  = places[third(random)];
+        }
+      Errors e;
+      try
+        {
+          e = identities(nodes, x, evaluate(nodes, x));
+        }
+      catch (const OutsideHull<dim> &)
+        {
+          ++refused;
+        }
+      EXPECT_LT(e.unity, 3e-12) << x;
+      EXPECT_LT(e.linear, 5e-10) << x;
+      EXPECT_LT(std::max(e.grad_unity, e.grad_linear), 0.1) << x;
+      EXPECT_GE(e.smallest, 0.) << x;
+    }
+  EXPECT_LE(refused, 2u);
 }
 
 
