@@ -64,7 +64,7 @@ namespace selkie
         cloud.dof_handler().get_triangulation().n_global_active_cells());
       statistics.set("points split", particles.accounting.split);
       statistics.set("points merged", particles.accounting.merged);
-      statistics.set("imbalance of points", particles.imbalance());
+      statistics.set("imbalance", particles.imbalance());
     }
   } // namespace
 

@@ -19,8 +19,18 @@ namespace selkie
 {
   namespace
   {
-    /// A cell's weight in the partition is 1 + 10 times its points.
-    constexpr unsigned int point_weight = 10;
+    /// What a point costs in a step, in tenths of what one of a solid beside
+    /// a fluid does: measured (doc/performance.md, "What a point costs"). An
+    /// empty cell costs one.
+    template <int dim>
+    std::vector<unsigned int>
+    costs_of_points(const Scene<dim> &scene)
+    {
+      std::vector<unsigned int> costs;
+      for (const auto &body : scene.bodies)
+        costs.push_back(body.law->phase() == Phase::fluid ? 25 : 10);
+      return costs;
+    }
 
     /// A point on its way from cell to cell or rank to rank: id, position and
     /// properties, all as doubles (ids are below 2^53).
@@ -61,18 +71,19 @@ namespace selkie
     , columns(scene, fields)
     , mesh(mesh)
     , points(mesh, mapping, fields.n_components())
+    , costs(costs_of_points(scene))
     , weight_connection(
         mesh.signals.weight.connect([this](const auto &cell, const auto) {
-          unsigned int n = 0;
+          unsigned int sum = 0;
           if (cell->is_active())
-            n = points.n_particles_in_cell(cell);
+            sum = cost(points.particles_in_cell(cell));
           else // its children are to be coarsened
             for (unsigned int c = 0; c < cell->n_children(); ++c)
               if (cell->child(c)->is_active())
-                n += points.n_particles_in_cell(cell->child(c));
+                sum += cost(points.particles_in_cell(cell->child(c)));
           if (!cell->is_active() && this->scene.lagrangian_mesh())
-            n /= cell->n_children(); // Gauss points of one element
-          return 1 + point_weight * n;
+            sum /= cell->n_children(); // Gauss points of one element
+          return 1 + sum;
         }))
   {}
 
@@ -149,16 +160,29 @@ namespace selkie
 
 
   template <int dim>
+  template <typename Points>
+  unsigned int
+  ParticleSet<dim>::cost(const Points &some) const
+  {
+    unsigned int sum = 0;
+    for (const auto &point : some)
+      sum +=
+        costs[static_cast<unsigned int>(columns.body(point.get_properties()))];
+    return sum;
+  }
+
+
+  template <int dim>
   double
   ParticleSet<dim>::imbalance() const
   {
-    const double all = points.n_global_particles();
-    const double fullest =
-      dealii::Utilities::MPI::max(double(points.n_locally_owned_particles()),
-                                  communicator());
-    const double ranks =
+    const auto n_ranks =
       dealii::Utilities::MPI::n_mpi_processes(communicator());
-    return all > 0. ? fullest * ranks / all : 1.;
+    if (n_ranks == 1)
+      return 1.;
+    const auto of_ranks =
+      dealii::Utilities::MPI::min_max_avg(double(cost(points)), communicator());
+    return of_ranks.sum > 0. ? of_ranks.max / of_ranks.avg : 1.;
   }
 
 

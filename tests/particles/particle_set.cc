@@ -221,12 +221,37 @@ TEST(ParticleSetMPI, PartitionFollowsThePoints)
   set.seed();
   const unsigned int ranks =
     dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
-  // Ten times the points and one for each cell, empty ones included; p4est
-  // does not part the four children of a cell.
-  const double mine = 10. * set.handler().n_locally_owned_particles() +
+  // 25 for a point and one for each cell, empty ones included; p4est does
+  // not part the four children of a cell.
+  const double mine = 25. * set.handler().n_locally_owned_particles() +
                       mesh->n_locally_owned_active_cells();
-  const double total = 10. * 1024. + 32. * 32.;
+  const double total = 25. * 1024. + 32. * 32.;
   EXPECT_NEAR(mine * ranks, total, 0.05 * total);
+}
+
+// A fluid's points cost 2.5 times what a solid's do (doc/performance.md).
+TEST(ParticleSetMPI, PartitionFollowsWhatPointsCost)
+{
+  Scene<2> scene     = block_scene<2>();
+  scene.domain       = Domain<2>();
+  scene.domain.upper = everywhere<2>(1.);
+  scene.domain.cells = {{32, 32}};
+  const auto lower_half =
+    std::make_shared<test::Box<2>>(Point<2>(0., 0.), Point<2>(1., 0.5));
+  const auto upper_half =
+    std::make_shared<test::Box<2>>(Point<2>(0., 0.5), Point<2>(1., 1.));
+  scene.bodies        = {make_body<2>("bed", lower_half, Phase::solid),
+                         make_body<2>("water", upper_half)};
+  const auto     mesh = make_background_mesh(scene.domain, MPI_COMM_WORLD);
+  ParticleSet<2> set(scene, *mesh);
+  set.seed();
+  double cost = 0.;
+  for (const auto &point : set.handler())
+    cost += set.columns.body(point.get_properties()) == 0 ? 1. : 2.5;
+  const auto of_ranks =
+    dealii::Utilities::MPI::min_max_avg(cost, MPI_COMM_WORLD);
+  EXPECT_NEAR(set.imbalance(), of_ranks.max / of_ranks.avg, 1e-12);
+  EXPECT_LT(set.imbalance(), 1.05); // by points alone it is 1.4 on two ranks
 }
 
 TEST(ParticleSetMPI, BadBodiesAreNamedOnAllRanks)

@@ -577,7 +577,7 @@ def ranks(selkie, folder, what):
         by["pressure checkerboard"] = 1.  # a share: that of still water is round-off
     # The work of the linear solver may depend on the partition; a point may need
     # one more iteration for lambda because of round-off at the tolerance.
-    names = [name for name in one if name not in ("linear iterations", "imbalance of points")
+    names = [name for name in one if name not in ("linear iterations", "imbalance")
              and "lambda" not in name]
     for n in (2, 3):
         other = run(selkie, path, folder / str(n), settings, n)

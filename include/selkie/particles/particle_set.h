@@ -99,14 +99,17 @@ namespace selkie
     void
     seed();
 
-    /// The points of the fullest rank over the mean. Collective.
+    /// What the points of the dearest rank cost, over the mean; see
+    /// rebalance(). Collective.
     double
     imbalance() const;
 
-    /// Repartitions the mesh by particle count (cell weights) and takes the
-    /// points along. Not by measured times: these differ from run to run, and
-    /// with them the partition and round-off. Node clouds and whatever else
-    /// hangs on the mesh must be built anew.
+    /// Repartitions the mesh by what the points of its cells cost, and takes
+    /// them along: a fluid's 2.5 times what a solid's do, as was measured
+    /// (doc/performance.md, "What a point costs"). Not by times of the run
+    /// itself: these differ from one to the next, and with them the partition
+    /// and round-off. Node clouds and whatever else hangs on the mesh must be
+    /// built anew.
     void
     rebalance();
 
@@ -193,6 +196,10 @@ namespace selkie
     using Iterator = dealii::Particles::ParticleIterator<dim>;
     struct Motion;
 
+    /// Of points in a step, in tenths of one of a solid.
+    template <typename Points>
+    unsigned int
+    cost(const Points &some) const;
     /// Replaces all points by those of seed_points(). Returns their mass.
     double
     put_seeds();
@@ -222,6 +229,7 @@ namespace selkie
     Mesh                                   &mesh;
     const dealii::MappingQ1<dim>            mapping;
     dealii::Particles::ParticleHandler<dim> points;
+    const std::vector<unsigned int>         costs; ///< of a point, by body
     boost::signals2::scoped_connection      weight_connection;
   };
 } // namespace selkie
