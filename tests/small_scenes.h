@@ -64,14 +64,15 @@ end
 )";
   }
 
-  /// Water on two blocks side by side, the left one of rubber with a pressure of
-  /// its own, the right one a solid without; all moving, in a box with slip
+  /// Water on two blocks side by side, the left one of rubber with a pressure
+  /// of its own, the right one a solid without; all moving, in a box with slip
   /// walls.
   inline std::string
   water_on_rubber(const unsigned int dim)
   {
-    const bool  deep = dim == 3;
-    const auto  box  = [deep](const std::string &lower, const std::string &upper) {
+    const bool deep = dim == 3;
+    const auto box  = [deep](const std::string &lower,
+                            const std::string &upper) {
       return "box(" + lower + (deep ? ", 0, " : ", ") + upper +
              (deep ? ", 0.3)" : ")");
     };
@@ -79,7 +80,8 @@ end
     return "set Dimension = " + std::to_string(dim) +
            "\nset Effects = inertia, viscosity, mixed pressure"
            "\nsubsection Domain"
-           "\n  set Lower corner = " + (deep ? "0, 0, 0" : "0, 0") +
+           "\n  set Lower corner = " +
+           (deep ? "0, 0, 0" : "0, 0") +
            "\n  set Upper corner = " + (deep ? "0.4, 0.6, 0.3" : "0.4, 0.6") +
            "\n  set Cells        = " + (deep ? "4, 6, 3" : "4, 6") +
            "\nend"
@@ -87,9 +89,11 @@ end
            "\n  set Names = water, rubber, steel"
            "\n  subsection water"
            "\n    set Law    = newtonian fluid"
-           "\n    set Shape  = " + box("0, 0.2", "0.4, 0.5") +
+           "\n    set Shape  = " +
+           box("0, 0.2", "0.4, 0.5") +
            "\n    set Jitter = 0.2"
-           "\n    set Initial velocity = 0.3*y*x; 0.2*x" + zero +
+           "\n    set Initial velocity = 0.3*y*x; 0.2*x" +
+           zero +
            "    subsection Law parameters"
            "\n      set Bulk modulus = 2e5"
            "\n      set Viscosity    = 5"
@@ -97,8 +101,9 @@ end
            "\n  end"
            "\n  subsection rubber"
            "\n    set Law   = isochoric neo hookean"
-           "\n    set Shape = " + box("0, 0", "0.2, 0.2") +
-           "\n    set Initial velocity = 0.3*y; 0" + zero +
+           "\n    set Shape = " +
+           box("0, 0", "0.2, 0.2") + "\n    set Initial velocity = 0.3*y; 0" +
+           zero +
            "    subsection Law parameters"
            "\n      set Young modulus = 1e5"
            "\n      set Poisson ratio = 0.4999"
@@ -106,8 +111,9 @@ end
            "\n  end"
            "\n  subsection steel"
            "\n    set Law   = neo hookean"
-           "\n    set Shape = " + box("0.2, 0", "0.4, 0.2") +
-           "\n    set Initial velocity = 0.3*y; 0" + zero +
+           "\n    set Shape = " +
+           box("0.2, 0", "0.4, 0.2") + "\n    set Initial velocity = 0.3*y; 0" +
+           zero +
            "    subsection Law parameters"
            "\n      set Young modulus = 1e6"
            "\n    end"

@@ -59,10 +59,8 @@ namespace selkie
     const MPI_Comm comm = cloud.partitioner()->get_mpi_communicator();
     nodes.clear();
     pressures.clear();
-    static const bool shared    = getenv("SELKIE_SHARED") != nullptr;
-    const auto        phases_at = [&](const unsigned int node) {
-      const unsigned int a = occupancy.active[node] & pressure_phases;
-      return shared ? (a & -a) : a;
+    const auto phases_at = [&](const unsigned int node) {
+      return occupancy.active[node] & pressure_phases;
     };
     for (const unsigned int node : by_position)
       if (occupancy.active[node] != 0)
@@ -124,7 +122,7 @@ namespace selkie
             continue;
           p_index[node] = partition->global_to_local(
             static_cast<types::global_dof_index>(p_first.local_element(node)));
-          p_phases[node] = shared ? 0 : phases_at(node);
+          p_phases[node] = phases_at(node);
         }
     update_held();
   }
@@ -253,17 +251,6 @@ namespace selkie
                  return list.pressures < list.end && list.phase == phase;
                })});
           });
-          static const bool shared = getenv("SELKIE_SHARED") != nullptr;
-          if (shared && first_pressure(node) != invalid_index)
-            {
-              const auto p = global(p_index[node]);
-              groups.push_back(
-                {p_index[node],
-                 1,
-                 columns_of(node, {p, p + 1, true, 0}, [](const List &list) {
-                   return list.pressures < list.end;
-                 })});
-            }
         }
     std::sort(groups.begin(),
               groups.end(),

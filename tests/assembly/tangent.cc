@@ -200,7 +200,7 @@ TEST(Tangent, MixedPressureOfSolidsBesideAFluid)
 
 TEST(Tangent, PhasesHavePressuresOfTheirOwn)
 {
-  Problem<2> problem(small_scenes::water_on_rubber(2));
+  Problem<2>  problem(small_scenes::water_on_rubber(2));
   const auto &system = *problem.system;
   // 5 x 4 nodes of the water and 3 x 3 of the rubber, 3 of them common.
   EXPECT_EQ(system.n_global_pressures(), 20u + 9u);
