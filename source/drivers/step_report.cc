@@ -153,15 +153,16 @@ namespace selkie
 
   namespace
   {
-    /// Of the pressures at the corners of a cell: the squares of the part that
-    /// alternates along every edge, and of all.
+    /// Adds for the pressures at the corners of a cell the squares of the part
+    /// that alternates along every edge, and of all.
     template <int dim>
-    std::array<double, 2>
-    alternating_part(const typename System<dim>::CornerIndices &p,
-                     const Vector                              &x)
+    void
+    add_alternating_part(const typename System<dim>::CornerIndices &p,
+                         const Vector                              &x,
+                         std::array<double, 2>                     &sums)
     {
       constexpr unsigned int n           = 1u << dim;
-      double                 alternating = 0., all = 0.;
+      double                 alternating = 0.;
       for (unsigned int k = 0; k < n; ++k)
         {
           unsigned int sign = 0;
@@ -169,9 +170,9 @@ namespace selkie
             sign ^= (k >> d) & 1u;
           const double value = x.local_element(p[k]);
           alternating += (sign ? -value : value) / n;
-          all += value * value / n;
+          sums[1] += value * value / n;
         }
-      return {{alternating * alternating, all}};
+      sums[0] += alternating * alternating;
     }
   } // namespace
 
@@ -191,11 +192,8 @@ namespace selkie
           continue;
         last = &patch;
         for_each_bit(system.pressure_phases, [&](const unsigned int phase) {
-          if (!system.corner_pressures(patch.cell, phase, p))
-            return;
-          const auto squares = alternating_part<dim>(p, fields.x);
-          sums[0] += squares[0];
-          sums[1] += squares[1];
+          if (system.corner_pressures(patch.cell, phase, p))
+            add_alternating_part<dim>(p, fields.x, sums);
         });
       }
     for (double &sum : sums)

@@ -143,9 +143,7 @@ def pressed_errors(selkie, folder, n, settings=()):
     interface."""
     exact, out, h = Pressed(), folder / f"{n}", 0.1 / n
     s = run(selkie, HERE / "mixed_beside.prm", out,
-            (f"Domain/Cells={15 * n}, {10 * n}",
-             f"Probes/block/Function={exact.width - 1!r}*X; {exact.height - 1!r}*Y", *settings),
-            picture=True)
+            (f"Domain/Cells={15 * n}, {10 * n}", *settings), picture=True)
     cells = ({}, {})
     for body, X, _, p in points(out):
         if X[1] < 0.4:
