@@ -64,6 +64,71 @@ end
 )";
   }
 
+  /// Water on two blocks side by side, the left one of rubber with a pressure
+  /// of its own, the right one a solid without; all moving, in a box with slip
+  /// walls.
+  inline std::string
+  water_on_rubber(const unsigned int dim)
+  {
+    const bool deep = dim == 3;
+    const auto box  = [deep](const std::string &lower,
+                            const std::string &upper) {
+      return "box(" + lower + (deep ? ", 0, " : ", ") + upper +
+             (deep ? ", 0.3)" : ")");
+    };
+    const std::string zero = deep ? "; 0.1*x\n" : "\n";
+    return "set Dimension = " + std::to_string(dim) +
+           "\nset Effects = inertia, viscosity, mixed pressure"
+           "\nsubsection Domain"
+           "\n  set Lower corner = " +
+           (deep ? "0, 0, 0" : "0, 0") +
+           "\n  set Upper corner = " + (deep ? "0.4, 0.6, 0.3" : "0.4, 0.6") +
+           "\n  set Cells        = " + (deep ? "4, 6, 3" : "4, 6") +
+           "\nend"
+           "\nsubsection Bodies"
+           "\n  set Names = water, rubber, steel"
+           "\n  subsection water"
+           "\n    set Law    = newtonian fluid"
+           "\n    set Shape  = " +
+           box("0, 0.2", "0.4, 0.5") +
+           "\n    set Jitter = 0.2"
+           "\n    set Initial velocity = 0.3*y*x; 0.2*x" +
+           zero +
+           "    subsection Law parameters"
+           "\n      set Bulk modulus = 2e5"
+           "\n      set Viscosity    = 5"
+           "\n    end"
+           "\n  end"
+           "\n  subsection rubber"
+           "\n    set Law   = isochoric neo hookean"
+           "\n    set Shape = " +
+           box("0, 0", "0.2, 0.2") + "\n    set Initial velocity = 0.3*y; 0" +
+           zero +
+           "    subsection Law parameters"
+           "\n      set Young modulus = 1e5"
+           "\n      set Poisson ratio = 0.4999"
+           "\n    end"
+           "\n  end"
+           "\n  subsection steel"
+           "\n    set Law   = neo hookean"
+           "\n    set Shape = " +
+           box("0.2, 0", "0.4, 0.2") + "\n    set Initial velocity = 0.3*y; 0" +
+           zero +
+           "    subsection Law parameters"
+           "\n      set Young modulus = 1e6"
+           "\n    end"
+           "\n  end"
+           "\nend"
+           "\nsubsection Inertia"
+           "\n  set Newmark beta  = 0.3025"
+           "\n  set Newmark gamma = 0.6"
+           "\nend"
+           "\nsubsection Time"
+           "\n  set End time = 0.1"
+           "\n  set Step     = 2e-3"
+           "\nend\n";
+  }
+
   /// A free elastic square in the middle of an empty box.
   inline std::string
   free_block()

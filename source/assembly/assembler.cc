@@ -61,7 +61,8 @@ namespace selkie
                              bool(bits & 2),
                              bool(bits & 4),
                              bool(bits & 8),
-                             bool(bits & 16)};
+                             bool(bits & 16),
+                             bool(bits & 32)};
         kernels[kind.index()]        = compose(kind, false);
         energy_kernels[kind.index()] = compose(kind, true);
       }
@@ -292,6 +293,7 @@ namespace selkie
   template <int dim>
   void
   Assembler<dim>::number_unknowns(const unsigned int        *nodes,
+                                  const unsigned int         phase,
                                   const DensePatch<dim>     &dense,
                                   std::vector<unsigned int> &unknowns) const
   {
@@ -302,7 +304,7 @@ namespace selkie
         for (unsigned int d = 0; d < dim; ++d)
           unknowns[d * n + a] = system.displacement(nodes[a]) + d;
         if (dense.n_components > dim)
-          unknowns[dim * n + a] = system.pressure(nodes[a]);
+          unknowns[dim * n + a] = system.pressure(nodes[a], phase);
       }
   }
 
@@ -314,6 +316,7 @@ namespace selkie
   {
     dense.reinit(patch, kernel.with_pressure);
     number_unknowns(state.table->nodes.data() + patch.first_node,
+                    patch.phase,
                     dense,
                     unknowns);
     state.patch = &patch;
@@ -375,6 +378,7 @@ namespace selkie
     const PatchState<dim> &hats = hat_patch.of(state, system.cloud);
     hat_dense.reinit(*hats.patch, kernel.with_pressure);
     number_unknowns(hats.table->nodes.data() + hats.patch->first_node,
+                    hats.patch->phase,
                     hat_dense,
                     hat_unknowns);
     for (const auto step : kernel.block)

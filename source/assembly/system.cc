@@ -58,16 +58,20 @@ namespace selkie
   {
     const MPI_Comm comm = cloud.partitioner()->get_mpi_communicator();
     nodes.clear();
-    p_nodes.clear();
+    pressures.clear();
+    const auto phases_at = [&](const unsigned int node) {
+      return occupancy.active[node] & pressure_phases;
+    };
     for (const unsigned int node : by_position)
       if (occupancy.active[node] != 0)
         {
           nodes.push_back(node);
-          if ((occupancy.active[node] & pressure_phases) != 0)
-            p_nodes.push_back(node);
+          for_each_bit(phases_at(node), [&](const unsigned int phase) {
+            pressures.push_back({node, phase});
+          });
         }
     n_u = dim * nodes.size();
-    n_p = p_nodes.size();
+    n_p = pressures.size();
 
     // First global numbers, on the owners; then on the halo.
     const types::global_dof_index n_mine = n_u + n_p;
@@ -80,8 +84,8 @@ namespace selkie
     u_first = p_first = -1.;
     for (unsigned int k = 0; k < nodes.size(); ++k)
       u_first.local_element(nodes[k]) = first + dim * k;
-    for (unsigned int k = 0; k < p_nodes.size(); ++k)
-      p_first.local_element(p_nodes[k]) = first + n_u + k;
+    for (unsigned int k = n_p; k-- > 0;) // the first of a node stays
+      p_first.local_element(pressures[k].node) = first + n_u + k;
     u_first.update_ghost_values();
     p_first.update_ghost_values();
 
@@ -94,8 +98,9 @@ namespace selkie
         {
           for (unsigned int d = 0; d < dim; ++d)
             ghosts.push_back(u_first.local_element(node) + d);
-          if (p_first.local_element(node) >= 0.)
-            ghosts.push_back(p_first.local_element(node));
+          const unsigned int n = std::bitset<32>(phases_at(node)).count();
+          for (unsigned int k = 0; k < n; ++k)
+            ghosts.push_back(p_first.local_element(node) + k);
         }
     std::sort(ghosts.begin(), ghosts.end());
     IndexSet wide(own.size());
@@ -104,6 +109,7 @@ namespace selkie
 
     u_index.assign(cloud.size(), invalid_index);
     p_index.assign(pressure_phases != 0 ? cloud.size() : 0, invalid_index);
+    p_phases.assign(p_index.size(), 0);
     is_held.assign(partition->locally_owned_size() +
                      partition->n_ghost_indices(),
                    false);
@@ -112,10 +118,11 @@ namespace selkie
         {
           u_index[node] = partition->global_to_local(
             static_cast<types::global_dof_index>(u_first.local_element(node)));
-          if (p_first.local_element(node) >= 0.)
-            p_index[node] =
-              partition->global_to_local(static_cast<types::global_dof_index>(
-                p_first.local_element(node)));
+          if (p_first.local_element(node) < 0.)
+            continue;
+          p_index[node] = partition->global_to_local(
+            static_cast<types::global_dof_index>(p_first.local_element(node)));
+          p_phases[node] = phases_at(node);
         }
     update_held();
   }
@@ -139,6 +146,7 @@ namespace selkie
       if (patch.matter || patch.contact)
         {
           boost::hash_combine(hash, patch.n_nodes);
+          boost::hash_combine(hash, patch.pressure ? patch.phase : 0u);
           for (unsigned int a = 0; a < patch.n_nodes; ++a)
             {
               const unsigned int node = table.nodes[patch.first_node + a];
@@ -172,6 +180,7 @@ namespace selkie
     struct List
     {
       unsigned int begin, pressures, end; // in runs
+      unsigned int phase;                 // of the pressures
     };
     std::vector<List>         lists;
     std::vector<ColumnRun>    runs;
@@ -186,9 +195,14 @@ namespace selkie
             append(runs, list.begin, global(u_index[*node]), dim, false);
           }
         list.pressures = runs.size();
+        list.phase     = coupling.phase;
         if (coupling.pressure)
           for (auto node = coupling.begin; node != coupling.end; ++node)
-            append(runs, list.pressures, global(p_index[*node]), 1, true);
+            append(runs,
+                   list.pressures,
+                   global(pressure(*node, coupling.phase)),
+                   1,
+                   true);
         list.end = runs.size();
       }
     std::partial_sum(lists_begin.begin(),
@@ -200,13 +214,13 @@ namespace selkie
         lists_of[next[*node]++] = i;
 
     const auto columns_of = [&](const unsigned int node,
-                                const bool         only_with_pressure,
-                                const ColumnRun   &diagonal) {
+                                const ColumnRun   &diagonal,
+                                const auto        &selects) {
       std::vector<ColumnRun> columns(1, diagonal);
       for (unsigned int k = lists_begin[node]; k < lists_begin[node + 1]; ++k)
         {
           const List &list = lists[lists_of[k]];
-          if (!only_with_pressure || list.pressures < list.end)
+          if (selects(list))
             columns.insert(columns.end(),
                            runs.begin() + list.begin,
                            runs.begin() + list.end);
@@ -222,14 +236,21 @@ namespace selkie
           const auto u = global(u_index[node]);
           groups.push_back({u_index[node],
                             dim,
-                            columns_of(node, false, {u, u + dim, false, 0})});
-          if (pressure(node) != invalid_index)
-            {
-              const auto p = global(p_index[node]);
-              groups.push_back({p_index[node],
-                                1,
-                                columns_of(node, true, {p, p + 1, true, 0})});
-            }
+                            columns_of(node,
+                                       {u, u + dim, false, 0},
+                                       [](const List &) { return true; })});
+          if (p_index.empty())
+            continue;
+          for_each_bit(p_phases[node], [&](const unsigned int phase) {
+            const unsigned int row = pressure(node, phase);
+            const auto         p   = global(row);
+            groups.push_back(
+              {row,
+               1,
+               columns_of(node, {p, p + 1, true, 0}, [&](const List &list) {
+                 return list.pressures < list.end && list.phase == phase;
+               })});
+          });
         }
     std::sort(groups.begin(),
               groups.end(),
@@ -251,9 +272,8 @@ namespace selkie
       if (patch.matter || patch.contact)
         {
           const unsigned int *first = table.nodes.data() + patch.first_node;
-          couplings.push_back({first,
-                               first + patch.n_nodes,
-                               bool((pressure_phases >> patch.phase) & 1u)});
+          couplings.push_back(
+            {first, first + patch.n_nodes, patch.pressure, patch.phase});
         }
     tangent = make_matrix(couplings);
   }
@@ -288,15 +308,14 @@ namespace selkie
         {
           const unsigned int *first =
             corners.data() + n_corners * couplings.size();
-          couplings.push_back({first,
-                               first + n_corners,
-                               bool((pressure_phases >> patch.phase) & 1u)});
+          couplings.push_back(
+            {first, first + n_corners, patch.pressure, patch.phase});
         }
     for (const auto &patch : table.patches)
       if (patch.contact)
         {
           const unsigned int *first = table.nodes.data() + patch.first_node;
-          couplings.push_back({first, first + patch.n_nodes, false});
+          couplings.push_back({first, first + patch.n_nodes, false, 0});
         }
     hat_tangent = make_matrix(couplings);
   }
@@ -304,14 +323,15 @@ namespace selkie
   template <int dim>
   bool
   System<dim>::corner_pressures(const typename NodeCloud<dim>::Cell &cell,
+                                const unsigned int                   phase,
                                 CornerIndices &indices) const
   {
     const auto corners = cloud.corners(cell);
     for (unsigned int k = 0; k < corners.size(); ++k)
       {
-        indices[k] = pressure(corners[k]);
-        if (indices[k] == invalid_index)
+        if (((p_phases[corners[k]] >> phase) & 1u) == 0)
           return false;
+        indices[k] = pressure(corners[k], phase);
       }
     return true;
   }

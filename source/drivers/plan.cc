@@ -37,12 +37,15 @@ namespace selkie
                       Log                   &log)
     {
       const double nonzeros = stepper.system().n_nonzero_elements();
-      log.line(format("Unknowns  %llu at the start, %u a node%s",
-                      report.unknowns,
-                      dim,
-                      scene.has_fluid()    ? " and one pressure in the fluid"
-                      : scene.mixed_solids ? " and one pressure"
-                                           : ""));
+      log.line(
+        format("Unknowns  %llu at the start, %u a node%s",
+               report.unknowns,
+               dim,
+               !scene.mixed_solids
+                 ? scene.has_fluid() ? " and one pressure in the fluid" : ""
+               : scene.has_fluid()
+                 ? " and one pressure in the fluid and in mixed solids"
+                 : " and one pressure in mixed solids"));
       if (const auto *points = stepper.system().points())
         log.line(format("Matrix    none; the tangent at the points takes %.1f "
                         "MB on this rank",

@@ -62,7 +62,7 @@ namespace selkie
       const unsigned int n_u      = system.n_owned_displacements();
       const bool         pressure = unknown >= n_u;
       const unsigned int node     = pressure
-                                      ? system.owned_pressure_nodes()[unknown - n_u]
+                                      ? system.owned_pressures()[unknown - n_u].node
                                       : system.owned_nodes()[unknown / dim];
       const Point<dim>   x        = system.cloud.position(node);
       std::ostringstream out;

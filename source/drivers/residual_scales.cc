@@ -79,8 +79,8 @@ namespace selkie
     if (!scene.has_pressure())
       return scales;
     double sum = 0.;
-    for (const unsigned int node : system.owned_pressure_nodes())
-      sum += std::pow(system.cloud.volume(node), 2);
+    for (const auto &pressure : system.owned_pressures())
+      sum += std::pow(system.cloud.volume(pressure.node), 2);
     scales.p = std::sqrt(
       Utilities::MPI::sum(sum, system.partitioner()->get_mpi_communicator()));
     for (const auto &body : scene.bodies)

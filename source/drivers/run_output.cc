@@ -48,7 +48,7 @@ namespace selkie
           nodes.displacement = &state->displacement;
           nodes.velocity     = &state->velocity;
         }
-      nodes.pressure = stepper.nodal_pressure();
+      nodes.pressure = stepper.fluid_pressure();
       return nodes;
     }
 

@@ -151,14 +151,39 @@ namespace selkie
   }
 
 
+  namespace
+  {
+    /// Adds for the pressures at the corners of a cell the squares of the part
+    /// that alternates along every edge, and of all.
+    template <int dim>
+    void
+    add_alternating_part(const typename System<dim>::CornerIndices &p,
+                         const Vector                              &x,
+                         std::array<double, 2>                     &sums)
+    {
+      constexpr unsigned int n           = 1u << dim;
+      double                 alternating = 0.;
+      for (unsigned int k = 0; k < n; ++k)
+        {
+          unsigned int sign = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+            sign ^= (k >> d) & 1u;
+          const double value = x.local_element(p[k]);
+          alternating += (sign ? -value : value) / n;
+          sums[1] += value * value / n;
+        }
+      sums[0] += alternating * alternating;
+    }
+  } // namespace
+
+
   template <int dim>
   double
   checkerboard(const System<dim>       &system,
                const SupportTable<dim> &table,
                const StepFields        &fields)
   {
-    constexpr unsigned int n       = 1u << dim;
-    double                 sums[2] = {0., 0.}; // alternating, all; squared
+    std::array<double, 2>               sums{}; // alternating, all; squared
     typename System<dim>::CornerIndices p;
     const Patch<dim>                   *last = nullptr;
     for (const auto &patch : table.patches)
@@ -166,19 +191,10 @@ namespace selkie
         if (last != nullptr && last->cell == patch.cell)
           continue;
         last = &patch;
-        if (!system.corner_pressures(patch.cell, p))
-          continue;
-        double alternating = 0.;
-        for (unsigned int k = 0; k < n; ++k)
-          {
-            unsigned int sign = 0;
-            for (unsigned int d = 0; d < dim; ++d)
-              sign ^= (k >> d) & 1u;
-            const double value = fields.x.local_element(p[k]);
-            alternating += (sign ? -value : value) / n;
-            sums[1] += value * value / n;
-          }
-        sums[0] += alternating * alternating;
+        for_each_bit(system.pressure_phases, [&](const unsigned int phase) {
+          if (system.corner_pressures(patch.cell, phase, p))
+            add_alternating_part<dim>(p, fields.x, sums);
+        });
       }
     for (double &sum : sums)
       sum =

@@ -32,13 +32,8 @@ namespace selkie
     , unknowns(cloud, conditions, scene.pressure_phases())
     , assembler(terms, unknowns)
     , linear_solver(scene.linear_solver, log)
+    , stored_pressures(no_pressures(scene, cloud))
   {
-    if (scene.has_pressure())
-      {
-        stored_pressure.reinit(cloud.partitioner());
-        stored_pressure = std::numeric_limits<double>::quiet_NaN();
-        stored_pressure.update_ghost_values();
-      }
     if (scene.release)
       release = std::make_unique<NodeRelease<dim>>(scene, conditions);
     if (scene.approximation != Approximation::lme_mpm)
@@ -135,17 +130,17 @@ namespace selkie
               unknowns,
               t,
               dt,
-              stored_pressure,
+              stored_pressures,
               nodes.get(),
               fields);
     }
     if (has_full_cells())
       {
         TimerTree::Scope scope(timers, "supports");
-        Vector           pressure(cloud.partitioner());
-        store_pressure(unknowns, fields, pressure);
+        StoredPressures  guess = no_pressures(scene, cloud);
+        store_pressures(unknowns, fields, guess);
         together(
-          [&] { add_gauss_points(cloud, pressure, gauss_supports, table); });
+          [&] { add_gauss_points(cloud, guess.at(0), gauss_supports, table); });
       }
     if (scene.approximation == Approximation::lme_mpm && scene.wall_points)
       {
@@ -354,8 +349,7 @@ namespace selkie
     report.reset_energy = update.write();
     if (nodes)
       nodes->keep(unknowns, time.newmark, fields);
-    if (scene.has_pressure())
-      store_pressure(unknowns, fields, stored_pressure);
+    store_pressures(unknowns, fields, stored_pressures);
     kept.volume_excess = volume.excess;
     kept.moved += report.largest_speed * dt;
     if (release)

@@ -30,9 +30,9 @@ namespace selkie
             fields.velocity(scheme, u + d);
         if (scene.inertia)
           result.mass.local_element(node) = fields.mass.local_element(u);
-        if (unknowns.pressure(node) != invalid_index)
+        if (unknowns.first_pressure(node) != invalid_index)
           result.pressure.local_element(node) =
-            fields.x.local_element(unknowns.pressure(node));
+            fields.x.local_element(unknowns.first_pressure(node));
       }
     if (nodes)
       {
@@ -58,8 +58,8 @@ namespace selkie
         fields[component_name("velocity", d)]     = &nodes->velocity[d];
         fields[component_name("acceleration", d)] = &nodes->acceleration[d];
       }
-    if (scene.has_pressure())
-      fields["pressure"] = &stored_pressure;
+    for (const auto &[phase, field] : stored_pressures)
+      fields[scene.pressure_name(phase)] = &field;
     if (release)
       fields["released walls"] = &release->kept_walls(cloud);
     return fields;
@@ -83,8 +83,8 @@ namespace selkie
         restore(component_name("velocity", d), nodes->velocity[d]);
         restore(component_name("acceleration", d), nodes->acceleration[d]);
       }
-    if (scene.has_pressure())
-      restore("pressure", stored_pressure);
+    for (auto &[phase, field] : stored_pressures)
+      restore(scene.pressure_name(phase), field);
     if (release)
       {
         Vector walls(cloud.partitioner());

@@ -1,4 +1,5 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/laws/hyperelastic_law.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/scene/parameter_binding.h>
 #include <selkie/scene/parameter_file.h>
@@ -286,15 +287,24 @@ namespace selkie
 
   namespace
   {
+    /// Whether @p is(law) holds for one. Only a law knows what it is, so ask
+    /// those made from the defaults.
+    template <typename Predicate>
+    bool
+    any_law(const std::vector<const LawRow *> &laws, const Predicate &is)
+    {
+      return std::any_of(laws.begin(), laws.end(), [&is](const LawRow *row) {
+        ParameterHandler defaults;
+        row->declare(defaults);
+        return is(*row->create(defaults));
+      });
+    }
+
     bool
     has_phase(const std::vector<const LawRow *> &laws, const Phase phase)
     {
-      // Only a law knows its phase, so ask one made from the defaults.
-      return std::any_of(laws.begin(), laws.end(), [phase](const LawRow *row) {
-        ParameterHandler defaults;
-        row->declare(defaults);
-        return row->create(defaults)->phase() == phase;
-      });
+      return any_law(laws,
+                     [phase](const Law &law) { return law.phase() == phase; });
     }
   } // namespace
 
@@ -310,6 +320,16 @@ namespace selkie
   SceneNames::has_solid() const
   {
     return has_phase(laws, Phase::solid);
+  }
+
+
+  bool
+  SceneNames::has_coupled_solid() const
+  {
+    return any_law(laws, [](const Law &law) {
+      return law.phase() == Phase::solid &&
+             dynamic_cast<const DecoupledLaw *>(&law) == nullptr;
+    });
   }
 
 

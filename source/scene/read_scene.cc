@@ -1,4 +1,5 @@
 #include <selkie/base/exceptions.h>
+#include <selkie/laws/hyperelastic_law.h>
 #include <selkie/scene/check_scene.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/scene/imported_mesh.h>
@@ -212,7 +213,11 @@ namespace selkie
             }
           for (unsigned int level = 0; level < 3; ++level)
             prm.leave_subsection();
-          body.phase = (body.law->phase() == Phase::fluid ? 0 : ++solids);
+          const bool fluid = body.law->phase() == Phase::fluid;
+          body.phase       = fluid ? 0 : ++solids;
+          body.has_pressure =
+            fluid || (scene.mixed_solids &&
+                      dynamic_cast<const DecoupledLaw *>(body.law.get()));
         }
     }
 

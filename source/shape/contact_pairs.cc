@@ -174,7 +174,6 @@ namespace selkie
       patch.matter = patch.integration = false;
       patch.contact                    = true;
       patch.cell                       = cell;
-      patch.phase                      = 1; // no pressures
       patch.first_point                = table.points.size();
       patch.n_points                   = 1;
       patch.first_node                 = table.nodes.size();

@@ -35,7 +35,7 @@ namespace selkie
         point.F_n = columns.F(properties);
       if (point.law->phase() == Phase::fluid)
         point.J_n = columns.J(properties);
-      else if (particles.scene.mixed_solids)
+      else if (particles.scene.bodies[point.body].has_pressure)
         point.J_n = determinant(point.F_n);
       return point;
     }
@@ -77,6 +77,7 @@ namespace selkie
             patch.cell        = cell;
             patch.phase       = phase;
             patch.fluid       = in_cell[first].law->phase() == Phase::fluid;
+            patch.pressure    = bodies[in_cell[first].body].has_pressure;
             patch.first_point = table.points.size();
             patch.n_points    = last - first;
             table.points.insert(table.points.end(),

@@ -187,6 +187,7 @@ namespace selkie
             patch.matter      = false;
             patch.integration = false;
             patch.fluid       = false;
+            patch.pressure    = false;
             patch.surface     = true;
             patch.first_point = table.points.size();
             patch.n_points    = gauss.size();

@@ -33,7 +33,7 @@ namespace selkie
       bool
       acts_on(const PatchKind &kind) const override
       {
-        return kind.integration && !kind.fluid;
+        return kind.integration && !kind.fluid && !kind.pressure;
       }
 
       void
@@ -70,7 +70,10 @@ namespace selkie
   {
     EffectRow row = effect_row<ElasticityEffect>(
       "elasticity", "", "The stress of solids, by their laws.", "");
-    row.comes_with = [](const SceneNames &names) { return names.has_solid(); };
+    row.comes_with = [](const SceneNames &names) {
+      return names.has_effect("mixed pressure") ? names.has_coupled_solid()
+                                                : names.has_solid();
+    };
     return row;
   }
 } // namespace selkie

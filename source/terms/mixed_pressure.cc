@@ -6,6 +6,8 @@
 #include <selkie/terms/elastic_force.h>
 #include <selkie/terms/pressure_force.h>
 
+#include <algorithm>
+
 namespace selkie
 {
   using namespace dealii;
@@ -39,7 +41,7 @@ namespace selkie
       bool
       acts_on(const PatchKind &kind) const override
       {
-        return kind.integration && !kind.fluid;
+        return kind.integration && !kind.fluid && kind.pressure;
       }
 
       void
@@ -75,18 +77,20 @@ namespace selkie
       void
       check(const Scene<dim> &scene) const override
       {
-        if (scene.has_fluid())
+        if (scene.has_effect("mean dilatation"))
           fail(scene,
                "Effects",
-               "'mixed pressure' gives solids a pressure at their nodes, and "
-               "those of fluids have one already: allowed are scenes with "
-               "solids only");
-        for (const auto &body : scene.bodies)
-          if (dynamic_cast<const DecoupledLaw *>(body.law.get()) == nullptr)
-            fail(scene,
-                 "Bodies/" + body.name + "/Law",
-                 "the effect 'mixed pressure' needs a law that decouples shape "
-                 "and volume; allowed is 'isochoric neo hookean'");
+               "'mixed pressure' and 'mean dilatation' are two cures of one "
+               "ill; allowed is one of them");
+        if (std::none_of(
+              scene.bodies.begin(), scene.bodies.end(), [](const auto &body) {
+                return body.has_pressure && body.law->phase() == Phase::solid;
+              }))
+          fail_without_need(scene,
+                            "mixed pressure",
+                            "Effects",
+                            "no solid whose law decouples shape and volume "
+                            "('isochoric neo hookean')");
       }
 
       void
@@ -107,13 +111,12 @@ namespace selkie
   EffectRow
   mixed_pressure_effect()
   {
-    EffectRow row = effect_row<MixedPressureEffect>(
+    return effect_row<MixedPressureEffect>(
       "mixed pressure",
       "",
-      "The pressure of solids is an unknown of its own at their nodes: no "
-      "locking.",
+      "The pressure of solids whose law decouples shape and volume is an "
+      "unknown of its own at their nodes: no locking. Other solids keep their "
+      "stress, fluids their pressure.",
       "a pressure at every node of solids");
-    row.replaces = "elasticity";
-    return row;
   }
 } // namespace selkie

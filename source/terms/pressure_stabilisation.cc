@@ -1,5 +1,4 @@
-#include <selkie/laws/fluid_law.h>
-#include <selkie/laws/hyperelastic_law.h>
+#include <selkie/laws/volumetric_part.h>
 #include <selkie/scene/declare_scene.h>
 #include <selkie/terms/effect_table.h>
 
@@ -18,9 +17,8 @@ namespace selkie
     class PressureStabilisationTerm : public Term<dim>
     {
     public:
-      PressureStabilisationTerm(const double alpha, const bool of_solids)
+      explicit PressureStabilisationTerm(const double alpha)
         : alpha(alpha)
-        , of_solids(of_solids)
       {}
 
       std::string
@@ -41,7 +39,7 @@ namespace selkie
       bool
       acts_on(const PatchKind &kind) const override
       {
-        return kind.integration && kind.fluid != of_solids;
+        return kind.integration && kind.pressure;
       }
 
       void
@@ -52,24 +50,15 @@ namespace selkie
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
           {
             const Law   &law = *state.point(q).law;
-            const double G_e = shear_stiffness(law, newmark.alpha4) +
-                               law.density() * h2 * newmark.alpha1;
+            const double G_e =
+              volumetric_part(law).shear_stiffness(newmark.alpha4) +
+              law.density() * h2 * newmark.alpha1;
             state.forms[q].lumped -= state.point(q).volume * alpha / G_e;
           }
       }
 
     private:
-      double
-      shear_stiffness(const Law &law, const double alpha4) const
-      {
-        return of_solids
-                 ? static_cast<const DecoupledLaw &>(law).shear_stiffness(
-                     alpha4)
-                 : static_cast<const FluidLaw &>(law).shear_stiffness(alpha4);
-      }
-
       const double alpha;
-      const bool   of_solids; ///< instead of fluids
     };
 
 
@@ -88,11 +77,11 @@ namespace selkie
       }
 
       std::shared_ptr<const Term<dim>>
-      term(const Scene<dim> &scene) const override
+      term(const Scene<dim> &) const override
       {
-        return alpha > 0. ? std::make_shared<PressureStabilisationTerm<dim>>(
-                              alpha, scene.mixed_solids)
-                          : nullptr;
+        return alpha > 0.
+                 ? std::make_shared<PressureStabilisationTerm<dim>>(alpha)
+                 : nullptr;
       }
 
     private:

@@ -1,6 +1,5 @@
 #include <selkie/base/collective_error.h>
-#include <selkie/laws/fluid_law.h>
-#include <selkie/laws/hyperelastic_law.h>
+#include <selkie/laws/volumetric_part.h>
 #include <selkie/transfer/transfer.h>
 
 #include <deal.II/base/mpi.h>
@@ -88,9 +87,9 @@ namespace selkie
     {
       double p = 0.;
       for (unsigned int k = 0; k < patch.n_nodes; ++k)
-        p +=
-          table.N(patch, q)[k] *
-          x.local_element(system.pressure(table.nodes[patch.first_node + k]));
+        p += table.N(patch, q)[k] *
+             x.local_element(
+               system.pressure(table.nodes[patch.first_node + k], patch.phase));
       return p;
     }
 
@@ -100,11 +99,9 @@ namespace selkie
     /// The end values of all material points, in iteration order. Throws
     /// NumericalFailure, on every rank, before anything is written: a pressure
     /// that the matter cannot have.
-    /// @param phases those with a pressure, bits
     template <int dim>
     std::vector<PointEnd<dim>>
     end_values(const ParticleColumns<dim> &columns,
-               const unsigned int          phases,
                const SupportTable<dim>    &table,
                const System<dim>          &system,
                const NodalEnd             &nodes,
@@ -123,16 +120,12 @@ namespace selkie
               const auto &point = table.points[patch.first_point + q];
               auto       &at    = values[point.particle];
               at = interpolate_motion(table, patch, q, system, nodes);
-              if (((phases >> patch.phase) & 1u) == 0)
+              if (!patch.pressure)
                 continue;
               at.p = interpolate_pressure(table, patch, q, system, nodes.du);
               try
                 {
-                  at.J = patch.fluid
-                           ? static_cast<const FluidLaw &>(*point.law)
-                               .J_of_pressure(at.p)
-                           : static_cast<const DecoupledLaw &>(*point.law)
-                               .J_of_pressure(at.p);
+                  at.J = volumetric_part(*point.law).J_of_pressure(at.p);
                 }
               catch (const NumericalFailure &error)
                 {
@@ -149,7 +142,7 @@ namespace selkie
     write_point(const ParticleColumns<dim> &columns,
                 const StepPoint<dim>       &point,
                 const PointEnd<dim>        &at,
-                const bool                  fluid,
+                const PatchKind            &kind,
                 const bool                  alone,
                 const double                flip,
                 const Scene<dim>           &scene,
@@ -175,14 +168,15 @@ namespace selkie
                             (1. - flip) * at.v);
           columns.a.set(mine, at.a);
         }
-      if (fluid)
+      if (kind.fluid)
         columns.J.set(mine, at.J);
-      if (fluid || scene.mixed_solids)
+      if (kind.pressure)
         columns.pressure.set(mine, at.p);
-      if (scene.mixed_solids)
-        columns.mean_J.set(mine, at.J);
-      if (!fluid || scene.lagrangian_mesh())
+      if (!kind.fluid || scene.lagrangian_mesh())
         columns.F.set(mine, f * point.F_n);
+      if (scene.mixed_solids && !kind.fluid) // what the law sees as J
+        columns.mean_J.set(mine,
+                           kind.pressure ? at.J : determinant(columns.F(mine)));
     }
 
     /// The volume ratio of a solid's patch at the end of the step.
@@ -215,7 +209,6 @@ namespace selkie
     , table(table)
     , flip(particles.scene.transfer.flip_share(newmark.dt))
     , values(end_values(particles.columns,
-                        particles.scene.pressure_phases(),
                         table,
                         system,
                         NodalEnd(fields, newmark),
@@ -241,7 +234,7 @@ namespace selkie
             write_point(particles.columns,
                         point,
                         at,
-                        patch.fluid,
+                        patch,
                         patch.fluid && patch.n_points < lone_points,
                         flip,
                         particles.scene,

@@ -203,9 +203,7 @@ namespace selkie
       for_each_point(
         table,
         properties,
-        [phases = particles.scene.pressure_phases()](const Patch<dim> &patch) {
-          return ((phases >> patch.phase) & 1u) != 0;
-        },
+        [](const Patch<dim> &patch) { return patch.pressure; },
         [&](const Patch<dim>              &patch,
             const unsigned int             q,
             const ArrayView<const double> &mine) {
@@ -214,7 +212,7 @@ namespace selkie
           for (unsigned int k = 0; k < patch.n_nodes; ++k)
             {
               const unsigned int p =
-                system.pressure(table.nodes[patch.first_node + k]);
+                system.pressure(table.nodes[patch.first_node + k], patch.phase);
               const double VN = volume * table.N(patch, q)[k];
               fields.mass.local_element(p) += VN;
               fields.x.local_element(p) += VN * p_q;
@@ -241,16 +239,17 @@ namespace selkie
     /// those of the points; pressures have no mass.
     template <int dim>
     void
-    recall_pressures(const System<dim> &system,
-                     const Vector      &stored_pressure,
-                     StepFields        &fields)
+    recall_pressures(const System<dim>     &system,
+                     const StoredPressures &stored_pressures,
+                     StepFields            &fields)
     {
-      for (const unsigned int node : system.owned_pressure_nodes())
+      for (const auto &[node, phase] : system.owned_pressures())
         {
-          const unsigned int p = system.pressure(node);
+          const unsigned int p = system.pressure(node, phase);
           if (fields.mass.size() > 0)
             fields.mass.local_element(p) = 0.;
-          if (const double stored = stored_pressure.local_element(node);
+          if (const double stored =
+                stored_pressures.at(phase).local_element(node);
               !std::isnan(stored))
             fields.x.local_element(p) = stored;
         }
@@ -293,7 +292,7 @@ namespace selkie
           const System<dim>       &system,
           const double             t_n,
           const double             dt,
-          const Vector            &stored_pressure,
+          const StoredPressures   &stored_pressures,
           const NodalState<dim>   *nodes,
           StepFields              &fields)
   {
@@ -326,7 +325,7 @@ namespace selkie
           prescribe(system, t_n, dt, moves, fields);
         }
     if (particles.scene.has_pressure())
-      recall_pressures(system, stored_pressure, fields);
+      recall_pressures(system, stored_pressures, fields);
     fields.x.update_ghost_values();
     if (moves)
       for (auto *vector : {&fields.mass, &fields.v_n, &fields.a_n})
@@ -334,30 +333,50 @@ namespace selkie
   }
 
   template <int dim>
-  void
-  store_pressure(const System<dim> &system,
-                 const StepFields  &fields,
-                 Vector            &stored_pressure)
+  StoredPressures
+  no_pressures(const Scene<dim> &scene, const NodeCloud<dim> &cloud)
   {
-    stored_pressure = std::numeric_limits<double>::quiet_NaN();
-    for (const unsigned int node : system.owned_pressure_nodes())
-      stored_pressure.local_element(node) =
-        fields.x.local_element(system.pressure(node));
-    stored_pressure.update_ghost_values();
+    StoredPressures pressures;
+    for (const auto &body : scene.bodies)
+      if (body.has_pressure && pressures.count(body.phase) == 0)
+        {
+          Vector &field = pressures[body.phase];
+          field.reinit(cloud.partitioner());
+          field = std::numeric_limits<double>::quiet_NaN();
+          field.update_ghost_values();
+        }
+    return pressures;
   }
 
-#define INSTANTIATE(dim)                            \
-  template void project(const ParticleSet<dim> &,   \
-                        const SupportTable<dim> &,  \
-                        const System<dim> &,        \
-                        const double,               \
-                        const double,               \
-                        const Vector &,             \
-                        const NodalState<dim> *,    \
-                        StepFields &);              \
-  template void store_pressure(const System<dim> &, \
-                               const StepFields &,  \
-                               Vector &)
+  template <int dim>
+  void
+  store_pressures(const System<dim> &system,
+                  const StepFields  &fields,
+                  StoredPressures   &stored_pressures)
+  {
+    for (auto &[phase, field] : stored_pressures)
+      field = std::numeric_limits<double>::quiet_NaN();
+    for (const auto &[node, phase] : system.owned_pressures())
+      stored_pressures.at(phase).local_element(node) =
+        fields.x.local_element(system.pressure(node, phase));
+    for (auto &[phase, field] : stored_pressures)
+      field.update_ghost_values();
+  }
+
+#define INSTANTIATE(dim)                                         \
+  template void            project(const ParticleSet<dim> &,     \
+                                   const SupportTable<dim> &,    \
+                                   const System<dim> &,          \
+                                   const double,                 \
+                                   const double,                 \
+                                   const StoredPressures &,      \
+                                   const NodalState<dim> *,      \
+                                   StepFields &);                \
+  template StoredPressures no_pressures(const Scene<dim> &,      \
+                                        const NodeCloud<dim> &); \
+  template void            store_pressures(const System<dim> &,  \
+                                           const StepFields &,   \
+                                           StoredPressures &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -1,4 +1,4 @@
-#include <selkie/laws/volumetric_law.h>
+#include <selkie/laws/volumetric_part.h>
 #include <selkie/transfer/recall_points.h>
 
 #include <deal.II/fe/fe_q.h>
@@ -137,20 +137,26 @@ namespace selkie
       const auto &columns = particles.columns;
       const auto  body    = static_cast<unsigned int>(
         columns.body(points.front()->get_properties()));
-      const Law &law = *particles.scene.bodies[body].law;
-      if (((particles.scene.pressure_phases() >>
-            particles.scene.bodies[body].phase) &
-           1u) == 0)
-        return;
-      const auto &J_of = dynamic_cast<const VolumetricLaw &>(law);
-      fields.evaluate("pressure",
+      const Scene<dim> &scene = particles.scene;
+      const Law        &law   = *scene.bodies[body].law;
+      if (!scene.bodies[body].has_pressure)
+        {
+          if (scene.mixed_solids) // what the law sees as J
+            for (auto point : points)
+              {
+                const auto mine = point->get_properties();
+                columns.mean_J.set(mine, determinant(columns.F(mine)));
+              }
+          return;
+        }
+      fields.evaluate(scene.pressure_name(scene.bodies[body].phase),
                       [&](const unsigned int q, const double p, const auto &) {
                         auto       point = points[q];
                         const auto mine  = point->get_properties();
                         columns.pressure.set(mine, p);
                         (law.phase() == Phase::fluid ? columns.J
                                                      : columns.mean_J)
-                          .set(mine, J_of.J_of_pressure(p));
+                          .set(mine, volumetric_part(law).J_of_pressure(p));
                       });
     }
   } // namespace

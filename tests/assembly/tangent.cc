@@ -42,8 +42,7 @@ namespace
                                              scene.pressure_phases());
       assembler  = std::make_unique<Assembler<dim>>(terms, *system);
 
-      Vector stored(cloud->partitioner());
-      stored               = std::numeric_limits<double>::quiet_NaN();
+      auto       stored    = no_pressures(scene, *cloud);
       const bool gauss     = scene.has_fluid();
       const auto occupancy = find_occupancy(particles, *cloud, gauss);
       fill_material_points(particles, *cloud, occupancy, table);
@@ -60,9 +59,9 @@ namespace
               fields);
       if (gauss)
         {
-          store_pressure(*system, fields, stored);
+          store_pressures(*system, fields, stored);
           GaussSupports<dim> known;
-          add_gauss_points(*cloud, stored, known, table);
+          add_gauss_points(*cloud, stored.at(0), known, table);
         }
       if (scene.wall_points)
         add_wall_points(*cloud, *scene.wall_points, table);
@@ -186,6 +185,36 @@ TEST(Tangent, MixedPressureOfSolids)
       Problem<2> problem(text);
       check_direction(problem, pressures);
     }
+}
+
+TEST(Tangent, MixedPressureOfSolidsBesideAFluid)
+{
+  for (const bool pressures : {false, true})
+    {
+      Problem<2> flat(small_scenes::water_on_rubber(2));
+      check_direction(flat, pressures);
+      Problem<3> deep(small_scenes::water_on_rubber(3));
+      check_direction(deep, pressures);
+    }
+}
+
+TEST(Tangent, PhasesHavePressuresOfTheirOwn)
+{
+  Problem<2>  problem(small_scenes::water_on_rubber(2));
+  const auto &system = *problem.system;
+  // 5 x 4 nodes of the water and 3 x 3 of the rubber, 3 of them common.
+  EXPECT_EQ(system.n_global_pressures(), 20u + 9u);
+  EXPECT_EQ(system.n_global(), 2 * 5 * 6 + 20u + 9u);
+  unsigned int common = 0;
+  for (const auto &of : system.owned_pressures())
+    if (of.phase != 0 &&
+        system.first_pressure(of.node) != system.pressure(of.node, of.phase))
+      {
+        EXPECT_EQ(system.first_pressure(of.node), system.pressure(of.node, 0));
+        EXPECT_NEAR(system.cloud.position(of.node)[1], 0.2, 1e-12);
+        ++common;
+      }
+  EXPECT_EQ(common, 3u);
 }
 
 TEST(Tangent, WallFriction)

@@ -111,6 +111,23 @@ TEST(Stepper, NewtonIsQuadraticForFluidAndSolid)
     }
 }
 
+TEST(Stepper, NewtonIsQuadraticForFluidAndMixedSolid)
+{
+  for (const std::string approximation : {"lme mpm", "q4 fem"})
+    {
+      Scenario   run(small_scenes::water_on_rubber(2),
+                   {"Approximation=" + approximation,
+                      "Newton/Tolerance=1e-12",
+                      "Linear solver/Solver=direct",
+                      "Bodies/water/Initial velocity=8*y*x; 6*x",
+                      "Bodies/rubber/Initial velocity=8*y*x; 6*x",
+                      "Bodies/steel/Initial velocity=8*y*x; 6*x"});
+      const auto report = run.stepper->step(0., 5e-3);
+      ASSERT_GE(report.newton.errors.size(), 4u);
+      EXPECT_GT(observed_order(report.newton.errors), 1.8) << approximation;
+    }
+}
+
 TEST(Stepper, StartsWithTheAccelerationOfTheLoadsAtTheStart)
 {
   Scenario run(small_scenes::free_block(),

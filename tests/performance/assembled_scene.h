@@ -46,7 +46,7 @@ struct AssembledScene
             *system,
             0.,
             dt,
-            Vector(),
+            StoredPressures(),
             static_cast<const NodalState<dim> *>(nullptr),
             fields);
     if (scene.wall_points)

@@ -37,6 +37,8 @@ SCENES = {  # file, what makes it small; each carries something else along
                   "Effects=inertia, gravity, probes, adaptivity", "Adaptivity/Steps=3",
                   "Adaptivity/Finer levels=2", "Adaptivity/Coarser levels=1",
                   "Adaptivity/Strain error=0.02"]),
+    "mixed": (ROOT / "tests" / "scenes" / "mixed_beside.prm",  # pressures of two phases
+              ["Time/End time=0.24", "Output/Interval=0.1"]),
     "membrane": (BENCHMARKS / "cook_membrane.prm", []),  # nodes of finite elements, static
     "falling_mesh": (ROOT / "tests" / "failures" / "imported_mesh.prm",  # a mesh from a file beside the scene's
                      ["Effects=inertia, gravity", "Output/Interval=0.05", "Domain/Mesh/Global refinements=2"]),

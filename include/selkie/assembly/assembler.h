@@ -162,6 +162,7 @@ namespace selkie
     add_hats(const Kernel &kernel);
     void
     number_unknowns(const unsigned int        *nodes,
+                    const unsigned int         phase,
                     const DensePatch<dim>     &dense,
                     std::vector<unsigned int> &unknowns) const;
     void

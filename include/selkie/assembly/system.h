@@ -3,6 +3,7 @@
 #include <selkie/assembly/node_conditions.h>
 #include <selkie/assembly/point_tangent.h>
 #include <selkie/assembly/system_matrix.h>
+#include <selkie/base/bits.h>
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/shape/occupancy.h>
 #include <selkie/shape/support_table.h>
@@ -10,6 +11,7 @@
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
 
+#include <bitset>
 #include <memory>
 #include <vector>
 
@@ -17,11 +19,13 @@ namespace selkie
 {
   /**
    * The unknowns of one step: dim displacement increments at every active
-   * node and a pressure at those of fluids (and of solids, on request). Empty
-   * cells have none.
+   * node, and there a pressure for each phase around it that has pressures:
+   * fluids (and solids, on request). Phases share displacements, but pressures
+   * jump at their interface. Empty cells have none.
    *
    * Each rank owns a contiguous range: first the displacements of its nodes
-   * (node-major), then the pressures; nodes are taken line by line, by
+   * (node-major), then the pressures (those of a node follow each other, by
+   * phase); nodes are taken line by line, by
    * position, so that those of a line follow each other in rows of the matrix.
    * Local indices are those of partitioner(): owned unknowns first, then
    * ghosts.
@@ -50,9 +54,20 @@ namespace selkie
       return u_index[node];
     }
 
-    /// Local index of the pressure of a cloud node, or invalid_index.
+    /// Local index of the pressure that a phase has at a cloud node of its
+    /// own. The phase must have pressures.
     unsigned int
-    pressure(const unsigned int node) const
+    pressure(const unsigned int node, const unsigned int phase) const
+    {
+      const unsigned int before = p_phases[node] & ((1u << phase) - 1u);
+      return p_index[node] +
+             static_cast<unsigned int>(std::bitset<32>(before).count());
+    }
+
+    /// Local index of the first pressure of a cloud node (that of the fluid,
+    /// where there is one), or invalid_index.
+    unsigned int
+    first_pressure(const unsigned int node) const
     {
       return p_index.empty() ? invalid_index : p_index[node];
     }
@@ -64,11 +79,17 @@ namespace selkie
       return nodes;
     }
 
-    /// Owned nodes with a pressure, in the order of their pressures.
-    const std::vector<unsigned int> &
-    owned_pressure_nodes() const
+    /// Whose a pressure is.
+    struct PressureOf
     {
-      return p_nodes;
+      unsigned int node, phase;
+    };
+
+    /// Those of owned nodes, in the order of their unknowns.
+    const std::vector<PressureOf> &
+    owned_pressures() const
+    {
+      return pressures;
     }
 
     /// Whether the unknown (local index) is prescribed.
@@ -172,9 +193,11 @@ namespace selkie
     /// Local indices of the pressures at the corners of a cell.
     using CornerIndices = std::array<unsigned int, (1u << dim)>;
 
-    /// False if a corner of the locally owned cell has no pressure.
+    /// False if a corner of the locally owned cell has no pressure of the
+    /// phase.
     bool
     corner_pressures(const typename NodeCloud<dim>::Cell &cell,
+                     const unsigned int                   phase,
                      CornerIndices                       &indices) const;
 
     /// A second matrix on the same unknowns, for the hat functions of the cells
@@ -199,27 +222,29 @@ namespace selkie
 
     const NodeCloud<dim>      &cloud;
     const NodeConditions<dim> &conditions;
+    const unsigned int         pressure_phases; ///< with pressures, as bits
 
   private:
     void
     number_unknowns(const Occupancy<dim>    &occupancy,
                     const SupportTable<dim> &table);
-    /// Nodes that couple with each other: their displacements, and their
-    /// pressures in the lists of matter that has one.
+    /// Nodes that couple with each other: their displacements and, in the
+    /// lists of matter that has them, the pressures of its phase.
     struct Coupling
     {
       const unsigned int *begin, *end;
       bool                pressure;
+      unsigned int        phase;
     };
     std::shared_ptr<SystemMatrix>
     make_matrix(const std::vector<Coupling> &couplings) const;
     std::size_t
     structure_hash(const SupportTable<dim> &table) const;
 
-    const unsigned int pressure_phases; ///< those with pressures, bits
-
     std::vector<unsigned int>       by_position; ///< owned nodes
-    std::vector<unsigned int>       nodes, p_nodes, u_index, p_index;
+    std::vector<unsigned int>       nodes, u_index, p_index;
+    std::vector<PressureOf>         pressures;
+    std::vector<unsigned int>       p_phases; ///< of a node's pressures, bits
     std::vector<bool>               is_held;
     unsigned int                    n_u = 0, n_p = 0;
     dealii::types::global_dof_index n_p_global = 0;

@@ -70,9 +70,9 @@ namespace selkie
 
   /**
    * How much of the nodes' pressure alternates from node to node: rms over the
-   * cells whose corners all have a pressure of the part that changes its sign
-   * along every edge, over the rms of the pressure there. 0 without such cells.
-   * Collective.
+   * cells whose corners all have a pressure (of one phase) of the part that
+   * changes its sign along every edge, over the rms of the pressure there. 0
+   * without such cells. Collective.
    */
   template <int dim>
   double

@@ -57,9 +57,9 @@ namespace selkie
     StepReport<dim>
     step(const double t, const double dt);
 
-    /// Velocity and mass (with inertia) and pressure (with a fluid) of the
-    /// nodes at the end of the last step, in cloud numbering; zero at nodes
-    /// without unknowns, empty where there are none.
+    /// Velocity and mass (with inertia) and pressure (the fluid's where several
+    /// phases meet) of the nodes at the end of the last step, in cloud
+    /// numbering; zero at nodes without unknowns, empty where there are none.
     struct NodalFields
     {
       std::array<Vector, dim> displacement; ///< of a Lagrangian mesh
@@ -80,12 +80,12 @@ namespace selkie
       return nodes.get();
     }
 
-    /// Of the nodes that have one, at the end of the last step (Pa; NaN at
-    /// others), or nullptr.
+    /// The fluid's pressure at its nodes, at the end of the last step (Pa; NaN
+    /// at others), or nullptr.
     const Vector *
-    nodal_pressure() const
+    fluid_pressure() const
     {
-      return scene.has_pressure() ? &stored_pressure : nullptr;
+      return scene.has_fluid() ? &stored_pressures.at(0) : nullptr;
     }
 
     /// What the nodes keep from step to step, by name, numbered as the node
@@ -188,7 +188,7 @@ namespace selkie
     std::unique_ptr<NodeRelease<dim>>     release; ///< on request
     std::unique_ptr<const Q4Support<dim>> q4;      ///< hat functions
     std::unique_ptr<NodalState<dim>>      nodes;   ///< of a Lagrangian mesh
-    Vector                                stored_pressure;
+    StoredPressures                       stored_pressures;
     VolumeCorrection                      volume; ///< of the present step
     KeptNumbers                           kept;   ///< of the last good step
     ResidualScales                        scales; ///< of the present step

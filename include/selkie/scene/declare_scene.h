@@ -31,6 +31,10 @@ namespace selkie
 
     bool
     has_solid() const;
+
+    /// Whether there is a solid whose law does not decouple shape and volume.
+    bool
+    has_coupled_solid() const;
   };
 
   /// Names of the walls in boundary order: left, right, bottom, top (, front,

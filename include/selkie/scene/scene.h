@@ -110,6 +110,9 @@ namespace selkie
     unsigned int phase = 0;
     /// Which of the nodes at a vertex are the body's: NodeCloud::layer().
     unsigned int layer = 0;
+    /// Whether its pressure is an unknown of its own: fluids, and with `mixed
+    /// pressure` the solids whose law decouples shape and volume.
+    bool has_pressure = false;
   };
 
   struct LmeParameters
@@ -417,7 +420,22 @@ namespace selkie
     unsigned int
     pressure_phases() const
     {
-      return mixed_solids ? ~1u : has_fluid() ? 1u : 0u;
+      unsigned int phases = 0;
+      for (const auto &body : bodies)
+        if (body.has_pressure)
+          phases |= 1u << body.phase;
+      return phases;
+    }
+
+    /// What the nodes' pressure of a phase is called: that of fluids
+    /// "pressure", that of a solid "pressure of NAME".
+    std::string
+    pressure_name(const unsigned int phase) const
+    {
+      for (const auto &body : bodies)
+        if (body.phase == phase && phase != 0)
+          return "pressure of " + body.name;
+      return "pressure";
     }
 
     bool

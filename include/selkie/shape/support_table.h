@@ -18,7 +18,8 @@ namespace selkie
    * where a second patch of fixed Gauss points integrates (quadrature.md,
    * section 3). The points of a loaded face of a finite element have `surface`
    * and nothing else, those of a wall that a fluid touches `surface` and
-   * `fluid`, pairs of nodes in contact (contact_pairs.h) `contact`.
+   * `fluid`, pairs of nodes in contact (contact_pairs.h) `contact`. Matter
+   * whose pressure is an unknown of its own has `pressure`.
    */
   struct PatchKind
   {
@@ -27,14 +28,16 @@ namespace selkie
     bool integration = true;
     bool surface     = false;
     bool contact     = false;
+    bool pressure    = false;
 
-    static constexpr unsigned int n_kinds = 32;
+    static constexpr unsigned int n_kinds = 64;
 
     /// One number for each kind, less than n_kinds.
     unsigned int
     index() const
     {
-      return fluid + 2 * matter + 4 * integration + 8 * surface + 16 * contact;
+      return fluid + 2 * matter + 4 * integration + 8 * surface + 16 * contact +
+             32 * pressure;
     }
   };
 
@@ -67,7 +70,7 @@ namespace selkie
     double                 mass   = 0;   ///< kg; zero for Gauss points
     double                 volume = 0;   ///< reference volume V_0
     dealii::Tensor<2, dim> F_n;          ///< solids and Lagrangian meshes
-    double                 J_n = 1;      ///< fluids
+    double                 J_n = 1;      ///< where there is a pressure
     dealii::Point<dim>     X;            ///< reference position, on request
     double                 area     = 0; ///< of a surface, m^2 (m in 2D)
     unsigned int           body     = 0;

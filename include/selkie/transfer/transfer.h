@@ -13,10 +13,15 @@
 #include <deal.II/base/tensor.h>
 
 #include <functional>
+#include <map>
 #include <vector>
 
 namespace selkie
 {
+  /// Nodal pressures of the phases that have any, in cloud numbering with
+  /// ghosts (Pa); NaN at nodes without.
+  using StoredPressures = std::map<unsigned int, Vector>;
+
   /**
    * Points to nodes: lumped mass M_a = sum m N_a and the lumped recovery of
    * velocity and acceleration, v_a = sum m N_a v_p / M_a (with TPIC
@@ -27,7 +32,7 @@ namespace selkie
    * Appl. Mech. Engrg. 381, 2021). Pressures start from the stored nodal
    * pressure, or, where the node had none, from the points' mean.
    *
-   * @param stored_pressure of the last step, cloud numbering; NaN where none.
+   * @param stored_pressures of the last step
    * @param nodes of a Lagrangian mesh, whose velocities and accelerations are
    *        not recovered but kept; else nullptr.
    * @param fields is initialised here on the system's numbering, ghosts
@@ -40,17 +45,21 @@ namespace selkie
           const System<dim>       &system,
           const double             t_n,
           const double             dt,
-          const Vector            &stored_pressure,
+          const StoredPressures   &stored_pressures,
           const NodalState<dim>   *nodes,
           StepFields              &fields);
 
-  /// Nodal pressures of the iterate in cloud numbering, NaN where none, with
-  /// ghosts.
+  /// Those without any pressure yet.
+  template <int dim>
+  StoredPressures
+  no_pressures(const Scene<dim> &scene, const NodeCloud<dim> &cloud);
+
+  /// Those of the iterate.
   template <int dim>
   void
-  store_pressure(const System<dim> &system,
-                 const StepFields  &fields,
-                 Vector            &stored_pressure);
+  store_pressures(const System<dim> &system,
+                  const StepFields  &fields,
+                  StoredPressures   &stored_pressures);
 
   /// What correct_volume() found and did.
   struct VolumeCorrection

@@ -397,7 +397,7 @@ class Maker:
 
     def solid_cures(self):
         laws = {self.scene.get(f"Bodies/{n}/Law") for n in self.boxes}
-        if laws == {"isochoric neo hookean"} and self.maybe(0.7):
+        if "isochoric neo hookean" in laws and self.maybe(0.7):
             self.effects.append("mixed pressure")
         elif self.solids and self.maybe(0.2):
             self.effects.append("mean dilatation")
