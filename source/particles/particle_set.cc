@@ -19,8 +19,8 @@ namespace selkie
 {
   namespace
   {
-    /// What a point costs in a step, in tenths of what one of a solid beside
-    /// a fluid does: measured (doc/performance.md, "What a point costs"). An
+    /// What a point of each body costs in a step, in tenths of what one without
+    /// a pressure does: measured (doc/performance.md, "What a point costs"). An
     /// empty cell costs one.
     template <int dim>
     std::vector<unsigned int>
@@ -28,7 +28,7 @@ namespace selkie
     {
       std::vector<unsigned int> costs;
       for (const auto &body : scene.bodies)
-        costs.push_back(body.law->phase() == Phase::fluid ? 25 : 10);
+        costs.push_back(body.has_pressure ? 25 : 10);
       return costs;
     }
 

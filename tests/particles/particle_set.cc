@@ -31,9 +31,10 @@ namespace
             const Phase                       phase = Phase::fluid)
   {
     Body<dim> body;
-    body.name  = name;
-    body.law   = std::make_shared<test::TestLaw>(phase);
-    body.shape = shape;
+    body.name         = name;
+    body.law          = std::make_shared<test::TestLaw>(phase);
+    body.shape        = shape;
+    body.has_pressure = phase == Phase::fluid;
     return body;
   }
 
