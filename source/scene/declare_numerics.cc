@@ -179,8 +179,8 @@ namespace selkie
                         Double(1e-15, 0.1));
       prm.add_parameter("Iterations",
                         solver.max_iterations,
-                        "After so many the direct solver takes over. "
-                        "Units: none.",
+                        "After so many, or earlier where more would not help, "
+                        "the direct solver takes over. Units: none.",
                         Integer(1));
       prm.add_parameter("Direct below",
                         solver.direct_below,
