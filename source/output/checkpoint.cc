@@ -400,6 +400,7 @@ namespace selkie
     particles.handler().deserialize();
 
     nodal_fields.dofs.reinit(mesh);
+    nodal_fields.n_layers = particles.scene.n_layers();
     nodal_fields.values.clear();
     for (const auto &name : dealii::Utilities::split_string_list(
            json.get<std::string>("nodal fields")))

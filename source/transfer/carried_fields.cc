@@ -3,6 +3,7 @@
 #include <deal.II/distributed/solution_transfer.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_system.h>
 #include <deal.II/lac/affine_constraints.h>
 
 #include <cmath>
@@ -25,6 +26,7 @@ namespace selkie
                            const std::map<std::string, const Vector *> &fields)
   {
     dofs.reinit(mesh);
+    n_layers = from.get_fe().n_components();
     values.clear();
     for (const auto &[name, field] : fields)
       values[name];
@@ -40,7 +42,7 @@ namespace selkie
   void
   CarriedFields<dim>::reinit()
   {
-    dofs.distribute_dofs(FE_Q<dim>(1));
+    dofs.distribute_dofs(FESystem<dim>(FE_Q<dim>(1), n_layers));
     IndexSet relevant;
     DoFTools::extract_locally_relevant_dofs(dofs, relevant);
     for (auto &[name, field] : values)

@@ -43,6 +43,11 @@ SCENES = {  # file, what makes it small; each carries something else along
     "falling_mesh": (ROOT / "tests" / "failures" / "imported_mesh.prm",  # a mesh from a file beside the scene's
                      ["Effects=inertia, gravity", "Output/Interval=0.05", "Domain/Mesh/Global refinements=2"]),
     "release": (ROOT / "tests" / "scenes" / "wall_release.prm", []),  # nodes let go by walls
+    "contact": (ROOT / "tests" / "scenes" / "wall_release.prm",  # the same, two nodes a vertex
+                ["Effects=inertia, wall release, contact", "Bodies/Names=block, stone",
+                 "Bodies/stone/Law=neo hookean", "Bodies/stone/Shape=box(0.3, 0.4, 0.5, 0.6)",
+                 "Bodies/block/Shape=box(0.3, 0, 0.6, 0.3)", "Domain/Cells=6, 6",
+                 "Domain/Balance steps=7"]),
 }
 
 

@@ -21,8 +21,9 @@ namespace selkie
   template <int dim>
   struct CarriedFields
   {
-    dealii::DoFHandler<dim>       dofs; ///< FE_Q(1) on the mesh
+    dealii::DoFHandler<dim>       dofs; ///< FE_Q(1) on the mesh, per layer
     std::map<std::string, Vector> values;
+    unsigned int                  n_layers = 1; ///< nodes at each vertex
 
     /// Copies fields on the nodes of a mesh that @p from numbers.
     void
