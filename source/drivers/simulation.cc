@@ -277,7 +277,7 @@ namespace selkie
     }
 
     /// Makes as many steps as a forecast needs, up to the first adaptation and
-    /// not for long.
+    /// not for long, but three that count: a single one says little.
     template <int dim>
     Rehearsal<dim>
     rehearse(const ParticleSet<dim> &particles,
@@ -308,12 +308,11 @@ namespace selkie
             audit->record(time.now(), report);
           const double now = timers.wall_time();
           result.forecast.record(time.now(), now, report.newton.iterations);
-          enough = result.forecast.ready() ||
-                   (n >= Forecast::n_cold &&
-                    (now - begin > patience || adapts_now(particles.scene,
-                                                          stepper,
-                                                          report.largest_speed,
-                                                          time)));
+          enough =
+            result.forecast.ready() ||
+            (n >= Forecast::n_cold + 2 && now - begin > patience) ||
+            (n >= Forecast::n_cold &&
+             adapts_now(particles.scene, stepper, report.largest_speed, time));
           enough = Utilities::MPI::broadcast(particles.communicator(), enough);
         }
       result.after = timers.rows();
