@@ -176,9 +176,7 @@ namespace selkie
   double
   ParticleSet<dim>::imbalance() const
   {
-    const auto n_ranks =
-      dealii::Utilities::MPI::n_mpi_processes(communicator());
-    if (n_ranks == 1)
+    if (dealii::Utilities::MPI::n_mpi_processes(communicator()) == 1)
       return 1.;
     const auto of_ranks =
       dealii::Utilities::MPI::min_max_avg(double(cost(points)), communicator());

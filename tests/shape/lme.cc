@@ -386,7 +386,7 @@ TYPED_TEST(Lme, RaggedHulls)
       EXPECT_LT(std::max(e.grad_unity, e.grad_linear), 0.1) << x;
       EXPECT_GE(e.smallest, 0.) << x;
     }
-  EXPECT_LE(refused, 2u);
+  EXPECT_LE(refused, 2u); // none is wanted: keeps it from getting worse
 }
 
 

@@ -105,11 +105,11 @@ namespace selkie
     imbalance() const;
 
     /// Repartitions the mesh by what the points of its cells cost, and takes
-    /// them along: a fluid's 2.5 times what a solid's do, as was measured
-    /// (doc/performance.md, "What a point costs"). Not by times of the run
-    /// itself: these differ from one to the next, and with them the partition
-    /// and round-off. Node clouds and whatever else hangs on the mesh must be
-    /// built anew.
+    /// them along: those with a pressure 2.5 times what the others do, as was
+    /// measured (doc/performance.md, "What a point costs"). Not by times of the
+    /// run itself: these differ from one to the next, and with them the
+    /// partition and round-off. Node clouds and whatever else hangs on the mesh
+    /// must be built anew.
     void
     rebalance();
 
@@ -196,7 +196,7 @@ namespace selkie
     using Iterator = dealii::Particles::ParticleIterator<dim>;
     struct Motion;
 
-    /// Of points in a step, in tenths of one of a solid.
+    /// Of points in a step, in tenths of one without a pressure.
     template <typename Points>
     unsigned int
     cost(const Points &some) const;
