@@ -15,7 +15,7 @@ namespace selkie
     double
     fall(const Scene<dim> &scene)
     {
-      if (!scene.gravity || scene.domain.mesh)
+      if (!scene.gravity)
         return 0.;
       const Tensor<1, dim>  &g = *scene.gravity;
       const BoundingBox<dim> box({scene.domain.lower, scene.domain.upper});
@@ -40,13 +40,18 @@ namespace selkie
   Outlook
   look_ahead(const Scene<dim> &scene, const double farthest)
   {
-    Outlook      result;
-    const double work = fall(scene);
-    if (work <= 0.)
+    Outlook result;
+    if (scene.domain.mesh)
       return result;
-    result.largest_step = farthest / std::sqrt(2. * work);
-    if (scene.has_solid())
-      result.growth = 2.1;
+    const double work = fall(scene);
+    if (work > 0.)
+      {
+        result.largest_step = farthest / std::sqrt(2. * work);
+        if (scene.has_solid())
+          result.growth = 2.1;
+      }
+    else if (!scene.has_solid())
+      result.growth = 1.;
     return result;
   }
 

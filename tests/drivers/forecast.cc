@@ -87,6 +87,7 @@ TEST(Outlook, WaterFallsToTheFloor)
 
   const auto at_rest = selkie::look_ahead(water_in_a_box(1., false), 0.01);
   EXPECT_EQ(at_rest.largest_step, selkie::Outlook().largest_step);
+  EXPECT_EQ(at_rest.growth, 1.);
 }
 
 TEST(Outlook, SolidsThatWaterMeetsCostMore)

@@ -24,8 +24,9 @@ namespace selkie
    * points of that speed, sqrt(2 g height), do not go too far. If they may meet
    * solids, Newton needs a third iteration where the first steps need two, and
    * Krylov's method more as well. Where less than a tenth of the height is to
-   * be lost nothing falls: the fluid stands on something. Nothing is known of
-   * imported meshes.
+   * be lost nothing falls: the fluid stands on something, and with no solid in
+   * the scene its steps go on as they began. Nothing is known of imported
+   * meshes.
    * @param farthest that a point may move in a step (m)
    */
   template <int dim>
