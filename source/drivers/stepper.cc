@@ -163,13 +163,8 @@ namespace selkie
     SystemTraits traits;
     const double h = cloud.smallest_spacing();
     for (const auto &body : scene.bodies)
-      {
-        traits.acoustic_cfl =
-          std::max(traits.acoustic_cfl,
-                   body.law->sound_speed() * newmark.dt / h);
-        if (body.law->phase() == Phase::solid)
-          traits.has_solid = true;
-      }
+      traits.acoustic_cfl =
+        std::max(traits.acoustic_cfl, body.law->sound_speed() * newmark.dt / h);
     traits.lme   = scene.approximation == Approximation::lme_mpm;
     traits.mixed = scene.has_pressure();
     for (const auto &term : terms)

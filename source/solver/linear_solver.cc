@@ -143,7 +143,7 @@ namespace selkie
           case SolverKind::gmres_block:
             if (!traits.mixed)
               return traits.lme ? make_hats(system) : make_ml(system);
-            return make_block_triangular(system, traits.has_solid);
+            return make_block_triangular(system);
           default:
             return make_jacobi(system);
         }

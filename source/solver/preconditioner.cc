@@ -7,6 +7,9 @@
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_CrsMatrix.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace selkie
 {
   using namespace dealii;
@@ -416,14 +419,39 @@ namespace selkie
       return std::unique_ptr<Epetra_CrsMatrix>(sum);
     }
 
+    /// Whether nodes hardly move each other: at each, what couples it with
+    /// others is less than half of the diagonal. Lumped masses of fluids are so
+    /// (0.01), consistent ones, stiff solids and viscous fluids are not (1 to
+    /// 15). Collective.
+    template <int dim>
+    bool
+    is_nearly_diagonal(const FloatBlock &A, const System<dim> &system)
+    {
+      std::vector<float> excess(system.n_owned_displacements());
+      A.for_each([&](const unsigned int row,
+                     const unsigned int column,
+                     const float        value) {
+        if (row == column)
+          excess[row] -= 0.5f * value;
+        else if (row / dim != column / dim)
+          excess[row] += std::abs(value);
+      });
+      const bool everywhere =
+        std::all_of(excess.begin(), excess.end(), [](const float x) {
+          return x <= 0.f;
+        });
+      return Utilities::MPI::min(
+               static_cast<int>(everywhere),
+               system.partitioner()->get_mpi_communicator()) == 1;
+    }
+
     /// See make_block_triangular().
     template <int dim>
     class BlockTriangular : public Preconditioner
     {
     public:
       BlockTriangular(const System<dim>      &system,
-                      const Epetra_CrsMatrix &hat_matrix,
-                      const bool              with_solid)
+                      const Epetra_CrsMatrix &hat_matrix)
         : hats(system, hat_matrix)
         , S_hats(form_schur_complement(hats))
         , S(system)
@@ -437,14 +465,13 @@ namespace selkie
         , u(in)
         , p(in)
       {
-        if (with_solid)
-          A = std::make_unique<DisplacementBlock<dim, FloatBlock>>(
-            system, *hats.A, displacements_of(system));
+        auto block = displacements_of(system);
+        if (is_nearly_diagonal(*block, system))
+          A_diagonal =
+            diagonal_of<dim>(*block, system.n_owned_displacements() / dim);
         else
-          {
-            A_diagonal = diagonal_of<dim>(*displacements_of(system),
-                                          system.n_owned_displacements() / dim);
-          }
+          A = std::make_unique<DisplacementBlock<dim, FloatBlock>>(
+            system, *hats.A, std::move(block));
       }
 
       void
@@ -513,12 +540,10 @@ namespace selkie
 
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_block_triangular(const System<dim> &system, const bool with_solid)
+  make_block_triangular(const System<dim> &system)
   {
     const auto &hats = system.hats() ? *system.hats() : system.matrix();
-    return std::make_unique<BlockTriangular<dim>>(system,
-                                                  hats.epetra(),
-                                                  with_solid);
+    return std::make_unique<BlockTriangular<dim>>(system, hats.epetra());
   }
 
 #define INSTANTIATE(dim)                                                       \
@@ -530,7 +555,7 @@ namespace selkie
   template std::unique_ptr<const Preconditioner> make_hats(                    \
     const System<dim> &);                                                      \
   template std::unique_ptr<const Preconditioner> make_block_triangular(        \
-    const System<dim> &, const bool)
+    const System<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

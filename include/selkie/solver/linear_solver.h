@@ -16,7 +16,6 @@ namespace selkie
   {
     bool   mixed        = false; ///< has pressures: quasi-definite
     bool   symmetric    = true;  ///< no (relevant) viscosity
-    bool   has_solid    = false;
     bool   lme          = false; ///< else hat functions themselves
     double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
     bool   at_points    = true;  ///< PointTangent can be its tangent

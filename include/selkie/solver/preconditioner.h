@@ -43,12 +43,13 @@ namespace selkie
    * For the mixed system [A B; B^T -C], upper block triangular:
    *   P = [A B; 0 -S],  S = C + B^T D^{-1} B,  D = diag(A),
    * S^{-1} by TwoLevel with S of the hat functions as its coarse matrix, A^{-1}
-   * by TwoLevel with solids, by node blocks in fluids (A is their mass). Counts
+   * by TwoLevel, or by node blocks where A is nearly diagonal (lumped masses of
+   * fluids, as long as neither solids nor viscosity couple the nodes). Counts
    * iterations as the block LDL^T of solver.md, section 4, does, and inverts A
    * once instead of twice (doc/performance.md). Without System::hats() the
    * system's own functions are hats.
    */
   template <int dim>
   std::unique_ptr<const Preconditioner>
-  make_block_triangular(const System<dim> &system, const bool with_solid);
+  make_block_triangular(const System<dim> &system);
 } // namespace selkie
