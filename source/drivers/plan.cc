@@ -129,9 +129,11 @@ namespace selkie
       format("Memory    %.0f MB peak on this rank", memory.VmHWM / 1024.));
 
     const Forecast &forecast = rehearsal.forecast;
-    log.line(format("Time      %s for %.0f steps, as the first ones are (%.2g "
-                    "s each) and later ones of other runs were (%.0f %% more)",
-                    time_span(forecast.total()).c_str(),
+    log.line(format("Time      %s for the set-up (%.2g s) and %.0f steps, as "
+                    "the first ones are (%.2g s each) and later ones of other "
+                    "runs were (%.0f %% more)",
+                    time_span(rehearsal.set_up + forecast.total()).c_str(),
+                    rehearsal.set_up,
                     forecast.steps(),
                     forecast.step(),
                     100. * (forecast.growth() - 1.)));

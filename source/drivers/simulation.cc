@@ -292,10 +292,8 @@ namespace selkie
       std::optional<RunAudit<dim>> audit;
       if (particles.scene.audit)
         audit.emplace(particles);
-      Rehearsal<dim>   result{{},
-                            {time.now(), time.end(), begin, outlook},
-                            {},
-                            {}};
+      Rehearsal<dim> result{
+        begin, {}, {time.now(), time.end(), begin, outlook}, {}, {}};
       StepReport<dim> &report = result.report;
       bool             enough = false;
       for (unsigned int n = 0; !enough && !time.at_end(); ++n)

@@ -13,6 +13,7 @@ namespace selkie
   template <int dim>
   struct Rehearsal
   {
+    double                      set_up; ///< wall time before the steps (s)
     StepReport<dim>             report; ///< of the last step
     Forecast                    forecast;
     std::vector<TimerTree::Row> before, after; ///< after the cold steps
