@@ -36,6 +36,30 @@ namespace selkie
         result[i] = std::numeric_limits<double>::quiet_NaN();
       return result;
     }
+
+    /// Whether some points of a probe of kind `point` or `region` may have a
+    /// pressure. Told from the scene, so that a curve has the same columns when
+    /// these points have left.
+    template <int dim>
+    bool
+    may_have_pressure(const Probe<dim> &probe, const Scene<dim> &scene)
+    {
+      const auto &[lower, upper] =
+        probe.kind == Probe<dim>::Kind::region
+          ? probe.shape->bounding_box().get_boundary_points()
+          : std::make_pair(probe.position, probe.position);
+      for (const auto &body : scene.bodies)
+        {
+          bool       common = body.has_pressure;
+          const auto box    = body.shape->bounding_box();
+          for (unsigned int i = 0; i < dim; ++i)
+            common = common && lower[i] <= box.upper_bound(i) &&
+                     upper[i] >= box.lower_bound(i);
+          if (common)
+            return true;
+        }
+      return false;
+    }
   } // namespace
 
   template <int dim>
@@ -56,6 +80,8 @@ namespace selkie
     weight += other.weight;
     mass += other.mass;
     volume += other.volume;
+    wet += other.wet;
+    pressure += other.pressure;
     x += other.x;
     u += other.u;
     v += other.v;
@@ -87,6 +113,9 @@ namespace selkie
         curve.probe  = &probe;
         if (probe.kind == Kind::point)
           curve.radius = radius_that_reaches(probe);
+        curve.with_pressure =
+          (probe.kind == Kind::point || probe.kind == Kind::region) &&
+          may_have_pressure(probe, scene);
         fail_together<OutputError>(particles.communicator(), [&] {
           curve.table.open(directory + "/probes/" + probe.name + ".csv",
                            rank == 0);
@@ -166,6 +195,12 @@ namespace selkie
       sums.u = sums.weight * (x - columns.X(properties));
     if (columns.v.exists())
       sums.v = sums.weight * columns.v(properties);
+    const unsigned int body = columns.body(properties);
+    if (particles.scene.bodies[body].has_pressure)
+      {
+        sums.wet      = sums.weight;
+        sums.pressure = sums.weight * columns.pressure(properties);
+      }
     return sums;
   }
 
@@ -465,6 +500,10 @@ namespace selkie
             case Kind::point:
             case Kind::region:
               set_means(sums[c], table);
+              if (curves[c].with_pressure)
+                table.set("pressure (Pa)",
+                          sums[c].wet > 0. ? sums[c].pressure / sums[c].wet
+                                           : 0.);
               break;
             case Kind::node:
               set_node(probe, nodes, table);

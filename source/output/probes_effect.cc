@@ -38,7 +38,8 @@ namespace selkie
          {"front", Kind::front},
          {"extent", Kind::extent},
          {"error", Kind::error}},
-        "`point` is the mean of the material points that start within "
+        "`point` is the mean (displacement, position, velocity, a fluid's "
+        "pressure) of the material points that start within "
         "Radius of Position, `node` the node of a finite element mesh "
         "(`q4 fem`) that starts nearest to Position, `region` of those that start in Shape, "
         "`wall force` the force on Wall and its moment about Position, `wall "

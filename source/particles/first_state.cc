@@ -1,5 +1,7 @@
+#include <selkie/base/exceptions.h>
 #include <selkie/laws/volumetric_law.h>
 #include <selkie/particles/first_state.h>
+#include <selkie/scene/check_scene.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,6 +50,39 @@ namespace selkie
           }
       return 0.;
     }
+
+    /// The pressure of a point, and the volume ratio that belongs to it.
+    template <int dim>
+    void
+    set_first_pressure(const Scene<dim>                &scene,
+                       const ParticleColumns<dim>      &columns,
+                       const Body<dim>                 &body,
+                       const VolumetricLaw             &law,
+                       const dealii::Point<dim>        &X,
+                       const dealii::ArrayView<double> &properties)
+    {
+      if (!body.initial_pressure)
+        {
+          columns.pressure.set(properties, law.pressure(1.));
+          return;
+        }
+      const std::string parameter = "Bodies/" + body.name + "/Initial pressure";
+      const double      p         = body.initial_pressure->value(X, 0., X);
+      if (!std::isfinite(p))
+        fail(scene,
+             parameter,
+             "not finite in the body; allowed are functions "
+             "that are");
+      try
+        {
+          columns.J.set(properties, law.J_of_pressure(p));
+          columns.pressure.set(properties, p);
+        }
+      catch (const NumericalFailure &failure)
+        {
+          fail(scene, parameter, failure.what());
+        }
+    }
   } // namespace
 
 
@@ -81,7 +116,7 @@ namespace selkie
       columns.J.set(properties, 1.);
     if (const auto *law = dynamic_cast<const VolumetricLaw *>(body.law.get());
         law != nullptr && columns.pressure.exists())
-      columns.pressure.set(properties, law->pressure(1.));
+      set_first_pressure(scene, columns, body, *law, seed.x, properties);
     if (columns.mean_J.exists())
       columns.mean_J.set(properties, 1.);
   }

@@ -110,15 +110,18 @@ namespace selkie
   {
     points.clear();
     std::vector<double> properties(fields.n_components());
-    const auto          view = dealii::make_array_view(properties);
-    double              mass = 0;
-    for (const Seed<dim> &seed : seed_points(scene, mesh))
-      {
-        set_first_state(scene, columns, seed, view);
-        mass += columns.mass(view);
-        points.insert_particle(
-          seed.x, seed.reference, seed.id, seed.cell, properties);
-      }
+    const auto          view  = dealii::make_array_view(properties);
+    double              mass  = 0;
+    const auto          seeds = seed_points(scene, mesh);
+    fail_together<SceneError>(communicator(), [&] {
+      for (const Seed<dim> &seed : seeds)
+        {
+          set_first_state(scene, columns, seed, view);
+          mass += columns.mass(view);
+          points.insert_particle(
+            seed.x, seed.reference, seed.id, seed.cell, properties);
+        }
+    });
     points.update_cached_numbers();
     return dealii::Utilities::MPI::sum(mass, communicator());
   }

@@ -130,6 +130,10 @@ namespace selkie
         fail(scene,
              "Bodies/" + body.name + "/Initial displacement",
              "allowed is one of a fluid only: a solid would be strained");
+      if (body.initial_pressure && body.phase != 0)
+        fail(scene,
+             "Bodies/" + body.name + "/Initial pressure",
+             "allowed is one of a fluid only: a solid's is that of its strain");
       const auto   domain    = box_of(scene.domain);
       const auto   box       = body.shape->bounding_box();
       const double tolerance = 1e-9 * cell_size(scene.domain);

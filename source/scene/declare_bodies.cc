@@ -73,6 +73,16 @@ namespace selkie
                    "start, at no cost of volume: one function of X, Y, Z per "
                    "component, separated by semicolons; e.g. a wave. Units: "
                    "m.");
+      prm.declare_entry("Initial pressure",
+                        "",
+                        Patterns::Anything(),
+                        "Of a fluid, which starts with the volume ratio that "
+                        "belongs to it: a function of X, Y, Z; that of the "
+                        "volume ratio 1 if empty. Units: Pa.");
+      prm.add_action("Initial pressure", [&body](const std::string &text) {
+        body.initial_pressure =
+          text.empty() ? nullptr : std::make_shared<Expression>(text);
+      });
       declare_law(prm, law, viscous);
       prm.leave_subsection();
     }

@@ -59,6 +59,12 @@ namespace selkie
                  "Hydrostatic start/Bodies",
                  "the body '" + scene.bodies[b].name +
                    "' is not a fluid; allowed are the scene's fluids");
+        for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+          if (scene.bodies[b].initial_pressure && starts(b))
+            fail(scene,
+                 "Bodies/" + scene.bodies[b].name + "/Initial pressure",
+                 "'hydrostatic start' gives the body another one; allowed are "
+                 "fluids that 'Hydrostatic start/Bodies' does not name");
       }
 
       void

@@ -85,7 +85,7 @@ def obstacle(factor, end, *more):
 
 def wave(factor):
     return (f"Domain/Cells={40 * factor}, {24 * factor}", "Time/End time=0.015",
-            f"Probes/left/Shape=box(0, {1 - 0.02 / factor}, {0.05 / factor}, 1)",
+            f"Probes/left/Shape=box(0, {1 - 0.0125 / factor}, {0.05 / factor}, 1)",
             f"Time/Step={5e-3 / factor}")
 
 

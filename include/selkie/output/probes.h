@@ -12,9 +12,9 @@ namespace selkie
   /**
    * The scene's probes: one file probes/NAME.csv each, a row per record().
    *
-   * - `point`: mean displacement, position and velocity of the points whose
-   *   reference position is within the radius of the probe's position; when
-   *   there is none, of those nearest to it.
+   * - `point`: mean displacement, position, velocity and, of those that have
+   *   one, pressure of the points whose reference position is within the radius
+   *   of the probe's position; when there is none, of those nearest to it.
    * - `region`: the same for the points that started inside a shape.
    * - `node`: the same of the node nearest to the probe's position at the start
    *   (with a Lagrangian mesh).
@@ -73,13 +73,15 @@ namespace selkie
     {
       const Probe<dim> *probe;
       double            radius = 0; ///< of a point probe; reaches a point
+      bool              with_pressure = false; ///< has that column
       Statistics        table;
     };
 
     /// What is summed over the points of a probe.
     struct Sums
     {
-      double                 weight = 0, mass = 0, volume = 0;
+      double weight = 0, mass = 0, volume = 0;
+      double wet = 0, pressure = 0;   ///< weight of points with one
       dealii::Tensor<1, dim> x, u, v; ///< position, displacement, velocity
       dealii::Tensor<1, dim> mx, mxx; ///< first and second moments of mass
       dealii::Tensor<1, dim> lower, upper;

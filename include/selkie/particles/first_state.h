@@ -7,9 +7,10 @@
 
 namespace selkie
 {
-  /// Gives a new point mass, velocity and the undeformed state, in those
-  /// columns that exist.
+  /// Gives a new point mass, velocity and the undeformed state, or that of its
+  /// body's initial pressure, in those columns that exist.
   /// @param properties of the point; all are written
+  /// @throw SceneError for a pressure that the body's law does not reach
   template <int dim>
   void
   set_first_state(const Scene<dim>                &scene,

@@ -105,6 +105,7 @@ namespace selkie
     std::shared_ptr<VectorExpression<dim>> initial_velocity; ///< may be null
     /// From where the lattice has a point to where it starts (m); may be null.
     std::shared_ptr<VectorExpression<dim>> initial_displacement;
+    std::shared_ptr<Expression> initial_pressure; ///< of fluids; may be null
     /// Which points share nodes: all fluids are phase 0, each solid body is a
     /// phase of its own (1, 2, …).
     unsigned int phase = 0;

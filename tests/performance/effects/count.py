@@ -26,6 +26,10 @@ BARE, FLUID = HERE / "bare.prm", HERE / "fluid.prm"
 PROBE = ("Probes/Names=tip", "Probes/tip/Kind=point", "Probes/tip/Position=0.5, 0.5")
 POST = "box(0.2, 0.2, 0.3, 0.8)"
 STANDING = ("Bodies/block/Shape=box(0.25, 0, 0.75, 0.5)",)
+TWO = ("Bodies/Names=block, second", "Bodies/second/Law=neo hookean",
+       "Bodies/second/Shape=box(0.25, 0.75, 0.75, 1)")
+ADAPTED = ("Effects=inertia, adaptivity", "Adaptivity/Surface=true", "Adaptivity/Finer levels=0",
+           "Adaptivity/Coarser levels=1", "Adaptivity/Buffer=1")
 ISOCHORIC = ("Bodies/block/Law=isochoric neo hookean",)
 GROUPS = [
     [
@@ -45,6 +49,11 @@ GROUPS = [
                                      "Node sets/grip/Condition=prescribed",
                                      "Node sets/grip/Velocity=0.1; 0")),
         ("probes", BARE, ("Effects=inertia, probes", *PROBE)),
+        ("adaptivity, a look every other step", BARE, (*ADAPTED, "Adaptivity/Steps=2")),
+    ],
+    [
+        ("two blocks that stick", BARE, TWO),
+        ("contact", BARE, (*TWO, "Effects=inertia, contact", "Contact/Bodies=block, second")),
     ],
     [
         ("block at a free wall", BARE, STANDING),
