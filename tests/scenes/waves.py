@@ -111,8 +111,9 @@ def amplitude(folder):
 
 
 def deviations(folder, nu, below):
-    """Of a(t) / a0 from theory at the depth of the points: largest, rms; at the troughs and crests, t = T/2 to
-    2T: the amplitude's own; period's lag from the zeros (share of it)."""
+    """Of a(t) / a0 from theory at the depth of the points: largest, rms; at the troughs
+    and crests, t = T/2 to 2T: the amplitude's own; period's lag from the zeros (share
+    of it)."""
     times, mode = amplitude(folder)
     theory = [exact(nu, t, below=below) for t in times]
     errors = [m - a for m, a in zip(mode, theory)]
