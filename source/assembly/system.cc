@@ -47,6 +47,7 @@ namespace selkie
         ++structures;
         tangent.reset();
         hat_tangent.reset();
+        hats_wanted = false;
       }
     last_hash = hash;
   }
@@ -164,69 +165,50 @@ namespace selkie
     const auto global = [&](const unsigned int unknown) {
       return partition->local_to_global(unknown);
     };
-    const auto append = [](std::vector<ColumnRun>       &runs,
-                           const unsigned int            first,
-                           const types::global_dof_index begin,
+    const auto append = [](const types::global_dof_index begin,
                            const unsigned int            n,
-                           const bool                    pressures) {
-      if (runs.size() > first && runs.back().end == begin &&
+                           const bool                    pressures,
+                           std::vector<ColumnRun>       &runs) {
+      if (!runs.empty() && runs.back().end == begin &&
           runs.back().pressures == pressures)
         runs.back().end += n;
       else
         runs.push_back({begin, begin + n, pressures, 0});
     };
 
-    // The columns of each list, pressures last; and the lists of each node.
-    struct List
-    {
-      unsigned int begin, pressures, end; // in runs
-      unsigned int phase;                 // of the pressures
-    };
-    std::vector<List>         lists;
-    std::vector<ColumnRun>    runs;
-    std::vector<unsigned int> lists_begin(cloud.size() + 1, 0);
-    for (const Coupling &coupling : couplings)
+    // The columns of each coupling, and the couplings of each node.
+    std::vector<std::vector<ColumnRun>> runs(couplings.size());
+    std::vector<unsigned int>           begin(cloud.size() + 1, 0);
+    for (unsigned int i = 0; i < couplings.size(); ++i)
       {
-        List &list = lists.emplace_back();
-        list.begin = runs.size();
+        const Coupling &coupling = couplings[i];
         for (auto node = coupling.begin; node != coupling.end; ++node)
           {
-            ++lists_begin[*node + 1];
-            append(runs, list.begin, global(u_index[*node]), dim, false);
+            ++begin[*node + 1];
+            append(global(u_index[*node]), dim, false, runs[i]);
           }
-        list.pressures = runs.size();
-        list.phase     = coupling.phase;
         if (coupling.pressure)
           for (auto node = coupling.begin; node != coupling.end; ++node)
-            append(runs,
-                   list.pressures,
-                   global(pressure(*node, coupling.phase)),
-                   1,
-                   true);
-        list.end = runs.size();
+            append(global(pressure(*node, coupling.phase)), 1, true, runs[i]);
+        join(runs[i]);
       }
-    std::partial_sum(lists_begin.begin(),
-                     lists_begin.end(),
-                     lists_begin.begin());
-    std::vector<unsigned int> lists_of(lists_begin.back()), next = lists_begin;
-    for (unsigned int i = 0; i < lists.size(); ++i)
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<unsigned int> couplings_of(begin.back()), next = begin;
+    for (unsigned int i = 0; i < couplings.size(); ++i)
       for (auto node = couplings[i].begin; node != couplings[i].end; ++node)
-        lists_of[next[*node]++] = i;
+        couplings_of[next[*node]++] = i;
 
-    const auto columns_of = [&](const unsigned int node,
+    std::vector<ColumnRun> columns, wider;
+    const auto             columns_of = [&](const unsigned int node,
                                 const ColumnRun   &diagonal,
                                 const auto        &selects) {
-      std::vector<ColumnRun> columns(1, diagonal);
-      for (unsigned int k = lists_begin[node]; k < lists_begin[node + 1]; ++k)
-        {
-          const List &list = lists[lists_of[k]];
-          if (selects(list))
-            columns.insert(columns.end(),
-                           runs.begin() + list.begin,
-                           runs.begin() + list.end);
-        }
-      join(columns);
-      columns.shrink_to_fit();
+      columns.assign(1, diagonal);
+      for (unsigned int k = begin[node]; k < begin[node + 1]; ++k)
+        if (selects(couplings[couplings_of[k]]))
+          {
+            unite(columns, runs[couplings_of[k]], wider);
+            std::swap(columns, wider);
+          }
       return columns;
     };
     std::vector<RowGroup> groups;
@@ -238,7 +220,7 @@ namespace selkie
                             dim,
                             columns_of(node,
                                        {u, u + dim, false, 0},
-                                       [](const List &) { return true; })});
+                                       [](const Coupling &) { return true; })});
           if (p_index.empty())
             continue;
           for_each_bit(p_phases[node], [&](const unsigned int phase) {
@@ -247,8 +229,8 @@ namespace selkie
             groups.push_back(
               {row,
                1,
-               columns_of(node, {p, p + 1, true, 0}, [&](const List &list) {
-                 return list.pressures < list.end && list.phase == phase;
+               columns_of(node, {p, p + 1, true, 0}, [&](const Coupling &c) {
+                 return c.pressure && c.phase == phase;
                })});
           });
         }
@@ -289,9 +271,10 @@ namespace selkie
 
   template <int dim>
   void
-  System<dim>::want_hats(const SupportTable<dim> &table)
+  System<dim>::want_hats(const bool wanted, const SupportTable<dim> &table)
   {
-    if (hat_tangent)
+    hats_wanted = wanted;
+    if (!wanted || hat_tangent)
       return;
     constexpr unsigned int    n_corners = 1u << dim;
     std::vector<unsigned int> corners;

@@ -24,6 +24,16 @@ namespace selkie
     constexpr auto begins_before = [](const ColumnRun &a, const ColumnRun &b) {
       return a.begin < b.begin;
     };
+
+    /// Lets a run go into one that begins before it, if it can.
+    bool
+    is_joined(ColumnRun &before, const ColumnRun &run)
+    {
+      if (run.begin > before.end || run.pressures != before.pressures)
+        return false;
+      before.end = std::max(before.end, run.end);
+      return true;
+    }
   } // namespace
 
 
@@ -33,12 +43,27 @@ namespace selkie
     std::sort(runs.begin(), runs.end(), begins_before);
     std::size_t n = 0; // joined so far
     for (const ColumnRun &run : runs)
-      if (n > 0 && run.begin <= runs[n - 1].end &&
-          run.pressures == runs[n - 1].pressures)
-        runs[n - 1].end = std::max(runs[n - 1].end, run.end);
-      else
+      if (n == 0 || !is_joined(runs[n - 1], run))
         runs[n++] = run;
     runs.resize(n);
+  }
+
+
+  void
+  unite(const std::vector<ColumnRun> &a,
+        const std::vector<ColumnRun> &b,
+        std::vector<ColumnRun>       &both)
+  {
+    both.clear();
+    auto in_a = a.begin(), in_b = b.begin();
+    while (in_a != a.end() || in_b != b.end())
+      {
+        const bool from_a =
+          in_b == b.end() || (in_a != a.end() && in_a->begin <= in_b->begin);
+        const ColumnRun &run = from_a ? *in_a++ : *in_b++;
+        if (both.empty() || !is_joined(both.back(), run))
+          both.push_back(run);
+      }
   }
 
 

@@ -252,40 +252,38 @@ namespace selkie
       assembler.assemble(
         table, time, fields, scales.pressure_unit, false, residual);
     };
-    problem.solve = [this, &time](Vector &,
-                                  const Vector &,
-                                  Vector      &dx,
-                                  const double tolerance) {
-      Vector             rhs(dx);
-      const SystemTraits what = traits(time.newmark);
-      if (linear_solver.wants_hats(unknowns, what))
-        unknowns.want_hats(table);
-      const auto assemble = [&](const bool as_matrix, Vector &residual) {
-        TimerTree::Scope scope(timers, "tangent");
-        if (as_matrix)
-          unknowns.want_matrix(table);
-        else
-          unknowns.want_points();
-        assembler.assemble(
-          table, time, fields, scales.pressure_unit, true, residual);
+    problem.solve =
+      [this,
+       &time](Vector &, const Vector &, Vector &dx, const double tolerance) {
+        Vector             rhs(dx);
+        const SystemTraits what = traits(time.newmark);
+        const auto assemble = [&](const TangentParts &parts, Vector &residual) {
+          TimerTree::Scope scope(timers, "tangent");
+          unknowns.want_hats(parts.hats, table);
+          if (parts.matrix)
+            unknowns.want_matrix(table);
+          else
+            unknowns.want_points();
+          assembler.assemble(
+            table, time, fields, scales.pressure_unit, true, residual);
+        };
+        assemble(linear_solver.wants(unknowns, what), rhs);
+        TimerTree::Scope   scope(timers, "linear solve");
+        const unsigned int n_u = unknowns.n_owned_displacements();
+        for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
+          rhs.local_element(i) *= unknowns.held(i) ? 0.
+                                  : i < n_u        ? -1.
+                                                   : -scales.pressure_unit;
+        const auto again = [&](const TangentParts &parts) {
+          Vector same_residual(dx);
+          assemble(parts, same_residual);
+        };
+        const auto report =
+          linear_solver.solve({unknowns, what, rhs, tolerance, again}, dx);
+        for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
+          dx.local_element(i) *= scales.pressure_unit;
+        return report.iterations;
       };
-      assemble(linear_solver.wants_matrix(unknowns, what), rhs);
-      TimerTree::Scope   scope(timers, "linear solve");
-      const unsigned int n_u = unknowns.n_owned_displacements();
-      for (unsigned int i = 0; i < unknowns.n_owned(); ++i)
-        rhs.local_element(i) *= unknowns.held(i) ? 0.
-                                : i < n_u        ? -1.
-                                                 : -scales.pressure_unit;
-      const auto make_matrix = [&] {
-        Vector same_residual(dx);
-        assemble(true, same_residual);
-      };
-      const auto report =
-        linear_solver.solve({unknowns, what, rhs, tolerance, make_matrix}, dx);
-      for (unsigned int i = n_u; i < unknowns.n_owned(); ++i)
-        dx.local_element(i) *= scales.pressure_unit;
-      return report.iterations;
-    };
     problem.error = [this](const Vector &residual) {
       return scales.error(residual_norms(unknowns, residual),
                           scene.newton.tolerance);

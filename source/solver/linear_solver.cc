@@ -46,6 +46,14 @@ namespace selkie
     {
       return kind == SolverKind::cg_hats || kind == SolverKind::cg_jacobi;
     }
+
+    /// Whether its preconditioner is made of System::hats().
+    bool
+    uses_hats(const SolverKind kind, const SystemTraits &traits)
+    {
+      return kind == SolverKind::cg_hats ||
+             (kind == SolverKind::gmres_block && traits.lme);
+    }
   } // namespace
 
   template <int dim>
@@ -99,21 +107,15 @@ namespace selkie
   }
 
   template <int dim>
-  bool
-  LinearSolver<dim>::wants_matrix(const System<dim>  &system,
-                                  const SystemTraits &traits) const
+  TangentParts
+  LinearSolver<dim>::wants(const System<dim>  &system,
+                           const SystemTraits &traits) const
   {
-    return gave_up || choose(system, traits).matrix;
-  }
-
-  template <int dim>
-  bool
-  LinearSolver<dim>::wants_hats(const System<dim>  &system,
-                                const SystemTraits &traits) const
-  {
-    const SolverKind kind = choose(system, traits).kind;
-    return kind == SolverKind::cg_hats ||
-           (kind == SolverKind::gmres_block && traits.lme);
+    if (gave_up)
+      return {};
+    const SolverChoice choice = choose(system, traits);
+    return {choice.matrix,
+            uses_hats(choice.kind, traits) && !keeps_multigrid(system)};
   }
 
   template <int dim>
@@ -192,7 +194,7 @@ namespace selkie
     const System<dim>  &system = problem.system;
     const SystemTraits &traits = problem.traits;
     if (system.points() && !works_at_points(kind))
-      problem.make_matrix();
+      problem.assemble({true, uses_hats(kind, traits)});
     switch (kind)
       {
         case SolverKind::cg_ml:
@@ -225,6 +227,15 @@ namespace selkie
   /// matrix of the step serves until it needs clearly more of them than it did
   /// at first. (Iterations are counted by digit: tolerances differ.)
   template <int dim>
+  bool
+  LinearSolver<dim>::keeps_multigrid(const System<dim> &system) const
+  {
+    return multigrid.preconditioner != nullptr &&
+           multigrid.unknowns == system.partitioner() &&
+           multigrid.last <= 1.25 * multigrid.first + 0.4;
+  }
+
+  template <int dim>
   LinearSolveReport
   LinearSolver<dim>::solve_with_multigrid(const SolverKind          kind,
                                           const LinearProblem<dim> &problem,
@@ -241,15 +252,17 @@ namespace selkie
       multigrid.last = report.iterations / digits;
       return report;
     };
-    if (multigrid.preconditioner != nullptr &&
-        multigrid.unknowns == system.partitioner() &&
-        multigrid.last <= 1.25 * multigrid.first + 0.4)
+    if (keeps_multigrid(system))
       try
         {
           return run((2. * multigrid.first + 1.) * digits + 2.);
         }
       catch (const LinearSolverFailure &)
-        {} // a new one may do better
+        {
+          // A new one may do better.
+          if (uses_hats(kind, problem.traits) && !system.hats())
+            problem.assemble({!system.points(), true});
+        }
     multigrid.preconditioner =
       make_preconditioner(kind, system, problem.traits);
     multigrid.unknowns = system.partitioner();

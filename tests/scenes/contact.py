@@ -130,15 +130,23 @@ def gate(selkie, folder, cells="2", *settings):
 
 def column_on_plate(selkie, folder, cells="4", *settings):
     """Water on an elastic plate, `cells` across the plate, at rest: Timoshenko's
-    -7.11e-5 m within 3 %."""
+    -7.11e-5 m within 3 % in all of the last 57 ms, a period of the water's
+    swinging (4 H / c).
+
+    The step shrinks with the cell, as the shipped scene's does not have to: at 113
+    crossings of a cell by sound (four cells, 10 ms) the water stirs itself.
+    """
     n = int(cells)
     half = 0.05 / n / 2
     run(selkie, BENCHMARKS / "hydrostatic_plate.prm", folder,
-        (f"Domain/Cells={20 * n}, {44 * n}",
+        (f"Domain/Cells={20 * n}, {44 * n}", f"Time/Step={2e-2 / n}",
          f"Probes/middle/Shape=box({0.5 - half!r}, -0.05, {0.5 + half!r}, -1e-6)", *settings))
-    u = table(folder / "probes" / "middle.csv")["displacement y"][-5:]
-    print(f"       the last five rows: {' '.join(f'{value:.3e}' for value in u)} m; {cost(folder)}")
-    check(f"middle of the plate {u[-1]:.4e} m against -7.11e-5 m", u[-1] / -7.11e-5 - 1, 0.03)
+    rows = table(folder / "probes" / "middle.csv")
+    u = [value for t, value in zip(rows["time"], rows["displacement y"]) if t > 0.15 - 0.057]
+    print(f"       the last {len(u)} rows: {min(u):.3e} to {max(u):.3e} m, "
+          f"mean {sum(u) / len(u):.3e} m; {cost(folder)}")
+    for what, value in (("lowest", min(u)), ("highest", max(u))):
+        check(f"{what} {value:.4e} m against -7.11e-5 m", value / -7.11e-5 - 1, 0.03)
 
 
 def obstacle(selkie, folder, across="2", *settings):

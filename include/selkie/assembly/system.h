@@ -17,6 +17,13 @@
 
 namespace selkie
 {
+  /// What there is of a tangent.
+  struct TangentParts
+  {
+    bool matrix = true;  ///< System::matrix(), else System::points()
+    bool hats   = false; ///< System::hats() as well
+  };
+
   /**
    * The unknowns of one step: dim displacement increments at every active
    * node, and there a pressure for each phase around it that has pressures:
@@ -200,17 +207,17 @@ namespace selkie
                      const unsigned int                   phase,
                      CornerIndices                       &indices) const;
 
-    /// A second matrix on the same unknowns, for the hat functions of the cells
-    /// that hold points: a preconditioner's. It is there until reinit() finds
-    /// that the structure has changed. Collective.
+    /// From now on (or no longer) tangents come with a second matrix on the
+    /// same unknowns, for the hat functions of the cells that hold points: a
+    /// preconditioner's. Its sparsity is kept for a next time. Collective.
     void
-    want_hats(const SupportTable<dim> &table);
+    want_hats(const bool wanted, const SupportTable<dim> &table);
 
-    /// The hat functions' matrix of the present sparsity, or nullptr.
-    const std::shared_ptr<SystemMatrix> &
+    /// The hat functions' matrix, or nullptr if it is not wanted.
+    std::shared_ptr<SystemMatrix>
     hats() const
     {
-      return hat_tangent;
+      return hats_wanted ? hat_tangent : nullptr;
     }
 
     /// How often node lists or numbers have changed.
@@ -252,7 +259,8 @@ namespace selkie
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
     std::shared_ptr<SystemMatrix>              tangent, hat_tangent;
     std::unique_ptr<PointTangent<dim, double>> point_tangent;
-    std::size_t                                last_hash  = 0;
-    unsigned int                               structures = 0;
+    bool                                       hats_wanted = false;
+    std::size_t                                last_hash   = 0;
+    unsigned int                               structures  = 0;
   };
 } // namespace selkie

@@ -66,6 +66,12 @@ namespace selkie
   void
   join(std::vector<ColumnRun> &runs);
 
+  /// The union of two lists as join() makes them.
+  void
+  unite(const std::vector<ColumnRun> &a,
+        const std::vector<ColumnRun> &b,
+        std::vector<ColumnRun>       &both);
+
   /**
    * A matrix on the unknowns of a System, in Epetra's arrays, that knows its
    * columns as runs: entries of a dense block are found by comparing a dozen

@@ -30,9 +30,10 @@ namespace selkie
     const Vector       &rhs;
     double              tolerance; ///< of the true residual, relative
 
-    /// Turns System::points() into System::matrix(), for solvers that need it.
-    /// May be missing if there is a matrix. Collective.
-    std::function<void()> make_matrix = {};
+    /// Assembles the same tangent anew with these parts, for solvers that need
+    /// more of it. May be missing if there is a matrix and, where the solver
+    /// wants them, hats. Collective.
+    std::function<void(const TangentParts &)> assemble = {};
   };
 
   struct LinearSolveReport
@@ -70,14 +71,10 @@ namespace selkie
     LinearSolver(const LinearSolverParameters            &parameters,
                  std::function<void(const std::string &)> log);
 
-    /// Whether the solver of this system needs System::matrix(), or does with
-    /// System::points().
-    bool
-    wants_matrix(const System<dim> &system, const SystemTraits &traits) const;
-
-    /// Whether it needs System::hats().
-    bool
-    wants_hats(const System<dim> &system, const SystemTraits &traits) const;
+    /// What the next solve() of this system needs of the tangent. Hats are for
+    /// a new preconditioner: as long as the last one serves, none are needed.
+    TangentParts
+    wants(const System<dim> &system, const SystemTraits &traits) const;
 
     /// Forgets what it has kept of earlier systems.
     void
@@ -107,6 +104,10 @@ namespace selkie
     choose(const System<dim> &system, const SystemTraits &traits) const;
 
   private:
+    /// Whether a preconditioner of an earlier matrix of the step serves.
+    bool
+    keeps_multigrid(const System<dim> &system) const;
+
     /// The choice but for the matrix.
     SolverChoice
     choose_kind(const System<dim> &system, const SystemTraits &traits) const;
