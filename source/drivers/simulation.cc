@@ -1,4 +1,5 @@
 #include <selkie/adapt/adapt_mesh.h>
+#include <selkie/adapt/start_mesh.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/base/log.h>
 #include <selkie/base/text.h>
@@ -28,52 +29,25 @@ namespace selkie
       Setup(const Scene<dim>  &scene,
             const MPI_Comm     comm,
             const std::string &checkpoint = "")
-        : mesh(make_background_mesh(scene.domain, comm))
+        : mesh(checkpoint.empty() ? make_start_mesh(scene, comm)
+                                  : make_background_mesh(scene.domain, comm))
         , particles(scene, *mesh)
       {
         if (checkpoint.empty())
-          seed();
+          {
+            particles.seed();
+            for (const auto &active : scene.effects)
+              active.effect->start(particles);
+          }
         else
           state = read_checkpoint(checkpoint, particles, *mesh, nodal_fields);
         make_cloud();
       }
 
       void
-      seed()
-      {
-        particles.seed();
-        if (particles.scene.adaptivity)
-          adapt_to_seeds();
-        for (const auto &active : particles.scene.effects)
-          active.effect->start(particles);
-      }
-
-      void
       make_cloud()
       {
-        const Scene<dim> &scene = particles.scene;
-        if (scene.approximation == Approximation::lme_mpm)
-          cloud = std::make_unique<NodeCloud<dim>>(*mesh,
-                                                   scene.lme.gamma,
-                                                   scene.lme.support_tolerance,
-                                                   scene.n_layers());
-        else
-          cloud = std::make_unique<NodeCloud<dim>>(*mesh);
-      }
-
-      /// The points are seeded again on the adapted mesh, until it fits them.
-      void
-      adapt_to_seeds()
-      {
-        const Adaptivity  &wishes = *particles.scene.adaptivity;
-        CarriedFields<dim> none;
-        for (unsigned int i = 0; i <= wishes.finer + wishes.coarser; ++i)
-          {
-            make_cloud();
-            if (!adapt_mesh(*mesh, particles, *cloud, {}, none).changed)
-              return;
-            particles.seed();
-          }
+        cloud = make_node_cloud(particles.scene, *mesh);
       }
 
       std::unique_ptr<parallel::distributed::Triangulation<dim>> mesh;

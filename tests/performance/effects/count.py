@@ -35,6 +35,7 @@ GROUPS = [
     [
         ("bare solid", BARE, ()),
         ("no audit", BARE, ("Output/Audit=none",)),
+        ("empty domain doubled", BARE, ("Domain/Upper corner=2, 1", "Domain/Cells=32, 16")),
         ("gravity", BARE, ("Effects=inertia, gravity",)),
         ("body force", BARE, ("Effects=inertia, body force",
                               "Body force/Acceleration=sin(X); t")),

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <selkie/mesh/node_cloud.h>
+#include <selkie/scene/scene.h>
+
+namespace selkie
+{
+  /// The nodes of a mesh that the scene's approximation is made of. Collective.
+  template <int dim>
+  std::unique_ptr<NodeCloud<dim>>
+  make_node_cloud(
+    const Scene<dim>                                        &scene,
+    const dealii::parallel::distributed::Triangulation<dim> &mesh);
+
+  /// The background mesh of a scene at its start: with the effect `adaptivity`
+  /// already adapted to the matter that will be seeded in it. Collective.
+  template <int dim>
+  std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
+  make_start_mesh(const Scene<dim> &scene, const MPI_Comm comm);
+} // namespace selkie
