@@ -200,7 +200,7 @@ namespace selkie
       "mean dilatation",
       "",
       "Solids take the volume ratio's mean over a cell: no locking.",
-      "a dense block of rank two for every cell of solids");
+      "a matrix, and in it a dense block of rank two for every cell of solids");
     row.replaces = "elasticity";
     return row;
   }

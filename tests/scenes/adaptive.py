@@ -55,6 +55,26 @@ def elements(selkie, folder):
           len(cells) / max(1, sum(a != b for a, b in zip(cells, cells[1:]))), 3)
 
 
+def pulled(selkie, folder):
+    """A nearly incompressible block of finite elements with a load on one face, up and
+    down again: place and pressure are those of the mesh that stays, though it is
+    halved on the way up and joined on the way down."""
+    fixed = run(selkie, HERE / "pulled_block.prm", folder / "fixed")
+    s = run(selkie, HERE / "pulled_block.prm", folder / "changing",
+            ("Effects=traction, mixed pressure, probes, adaptivity", *EVERY_STEP,
+             "Adaptivity/Strain=0.25"))
+    cells = s["cells"]
+    changes = sum(a != b for a, b in zip(cells, cells[1:]))
+    check("2 less the changes of the mesh (halved, joined)", max(0, 2 - changes), 0)
+    probes = [table(folder / name / "probes" / "block.csv") for name in ("fixed", "changing")]
+    for column in probes[0]:
+        size = max(map(abs, probes[0][column]))
+        check(column, max(abs(a - b) for a, b in zip(*(p[column] for p in probes)))
+              / (size if size > 0 else 1), 1e-10)
+    check("energy", max(abs(a - b) for a, b in zip(s["strain energy"], fixed["strain energy"]))
+          / max(fixed["strain energy"]), 1e-10)
+
+
 def flight(selkie, folder):
     """So does free flight by TPIC, whose points carry affine velocities."""
     s = run(selkie, HERE / "affine_flight.prm", folder,
@@ -94,4 +114,5 @@ def still(selkie, folder, end="0.5"):
 
 
 if __name__ == "__main__":
-    main({"patch": patch, "elements": elements, "flight": flight, "still": still})
+    main({"patch": patch, "elements": elements, "pulled": pulled, "flight": flight,
+          "still": still})
