@@ -73,21 +73,75 @@ namespace selkie
         }
     }
 
-    /// Cells with a corner that some empty cell shares.
+    /// How many of some cells meet at each node, on any rank.
+    template <int dim>
+    class CellsAround
+    {
+    public:
+      explicit CellsAround(const NodeCloud<dim> &cloud)
+        : cloud(cloud)
+        , number(cloud.partitioner())
+      {}
+
+      void
+      add(const typename NodeCloud<dim>::Cell &cell)
+      {
+        for (const unsigned int node : cloud.corners(cell))
+          number.local_element(node) += 1.;
+      }
+
+      /// After the last cell. Collective.
+      void
+      finish()
+      {
+        number.compress(VectorOperation::add);
+        number.update_ghost_values();
+      }
+
+      double
+      operator()(const unsigned int node) const
+      {
+        return number.local_element(node);
+      }
+
+    private:
+      const NodeCloud<dim> &cloud;
+      Vector                number;
+    };
+
+    /// Cells with a corner that some empty cell shares, but not one that cells
+    /// with points enclose: water that is stretched has holes between its
+    /// points.
     template <int dim>
     void
     mark_surface(const NodeCloud<dim>           &cloud,
                  std::vector<OccupiedCell<dim>> &cells)
     {
-      Vector around(cloud.partitioner());
+      const auto &mesh = cloud.dof_handler().get_triangulation();
+
+      CellsAround<dim>  matter(cloud), holes(cloud);
+      std::vector<bool> has_points(mesh.n_active_cells(), false);
       for (const auto &one : cells)
-        for (const unsigned int node : cloud.corners(one.cell))
-          around.local_element(node) += 1.;
-      around.compress(VectorOperation::add);
-      around.update_ghost_values();
+        {
+          matter.add(one.cell);
+          has_points[one.cell->active_cell_index()] = true;
+        }
+      matter.finish();
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned() && !has_points[cell->active_cell_index()])
+          {
+            const auto corners = cloud.corners(cell);
+            if (std::all_of(corners.begin(),
+                            corners.end(),
+                            [&matter](const unsigned int node) {
+                              return matter(node) > 0.;
+                            }))
+              holes.add(cell);
+          }
+      holes.finish();
       for (auto &one : cells)
         for (const unsigned int node : cloud.corners(one.cell))
-          if (around.local_element(node) < cloud.n_cells_around(node))
+          if (matter(node) + holes(node) < cloud.n_cells_around(node))
             one.excess = std::max(one.excess, 1.);
     }
 

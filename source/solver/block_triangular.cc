@@ -219,6 +219,18 @@ namespace selkie
                system.partitioner()->get_mpi_communicator()) == 1;
     }
 
+    /// Of the nodes of the owned pressures, a list for each direction (m).
+    template <int dim>
+    std::vector<std::vector<double>>
+    pressure_places(const System<dim> &system)
+    {
+      std::vector<std::vector<double>> places(dim);
+      for (const auto &pressure : system.owned_pressures())
+        for (unsigned int d = 0; d < dim; ++d)
+          places[d].push_back(system.cloud.position(pressure.node)[d]);
+      return places;
+    }
+
     /// See make_block_triangular().
     template <int dim>
     class BlockTriangular : public Preconditioner
@@ -234,7 +246,9 @@ namespace selkie
                     float_vector(system.matrix()),
                     S.first,
                     system.n_owned(),
-                    std::make_unique<const Multigrid>(*S_hats, 1))
+                    std::make_unique<const Multigrid>(*S_hats,
+                                                      1,
+                                                      pressure_places(system)))
         , in(float_vector(system.matrix()))
         , u(in)
         , p(in)

@@ -2,6 +2,9 @@
 
 #include <ml_MultiLevelPreconditioner.h>
 
+#include <array>
+#include <string>
+
 namespace selkie
 {
   using namespace dealii;
@@ -15,7 +18,9 @@ namespace selkie
 
   Multigrid::Multigrid(const Epetra_CrsMatrix            &matrix,
                        const unsigned int                 n_equations,
+                       std::vector<std::vector<double>> &&all_places,
                        std::vector<std::vector<double>> &&modes)
+    : places(std::move(all_places))
   {
     Teuchos::ParameterList list;
     ML_Epetra::SetDefaults("SA", list);
@@ -28,6 +33,21 @@ namespace selkie
     list.set("smoother: Chebyshev alpha", 8.);
     list.set("coarse: type", "Amesos-KLU");
     list.set("coarse: max size", 500);
+    if (matrix.Comm().NumProc() > 1)
+      {
+        // Aggregates do not cross ranks: left alone, the coarsest level has one
+        // a rank at least, and each of its unknowns is exchanged.
+        list.set("repartition: enable", 1);
+        list.set("repartition: partitioner", "Zoltan");
+        list.set("repartition: Zoltan dimensions",
+                 static_cast<int>(places.size()));
+        const std::array<std::string, 3> names = {"x", "y", "z"};
+        for (unsigned int d = 0; d < places.size(); ++d)
+          {
+            places[d].reserve(1); // without a node, too: ML takes no null
+            list.set(names[d] + "-coordinates", places[d].data());
+          }
+      }
     for (const auto &mode : modes)
       null_space.insert(null_space.end(), mode.begin(), mode.end());
     if (!modes.empty())
@@ -51,6 +71,23 @@ namespace selkie
     auto        x_epe = epetra_view(map, x);
     ml->ApplyInverse(b_epe, x_epe);
   }
+
+
+  template <int dim>
+  std::vector<std::vector<double>>
+  node_places(const System<dim> &system)
+  {
+    std::vector<std::vector<double>> places(dim);
+    for (const unsigned int node : system.owned_nodes())
+      for (unsigned int d = 0; d < dim; ++d)
+        places[d].push_back(system.cloud.position(node)[d]);
+    return places;
+  }
+
+  template std::vector<std::vector<double>>
+  node_places(const System<2> &);
+  template std::vector<std::vector<double>>
+  node_places(const System<3> &);
 
 
   template <int dim>

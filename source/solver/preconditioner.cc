@@ -77,7 +77,10 @@ namespace selkie
     public:
       explicit Ml(const System<dim> &system)
         : matrix(system.shared_matrix())
-        , ml(matrix->epetra(), dim, rigid_body_modes(system))
+        , ml(matrix->epetra(),
+             dim,
+             node_places(system),
+             rigid_body_modes(system))
       {}
 
       void

@@ -109,7 +109,8 @@ namespace selkie
         prm.add_parameter("Surface",
                           wishes.surface,
                           "Whether cells at the edge of the matter, away from "
-                          "walls, are the finest. Units: none.");
+                          "walls, are the finest; an empty cell that cells "
+                          "with points enclose is no edge. Units: none.");
         prm.add_parameter("Interface",
                           wishes.interface,
                           "Whether cells where bodies meet are. Units: none.");

@@ -259,6 +259,33 @@ TEST(AdaptMeshMPI, NeighboursDifferByOneLevel)
 }
 
 
+/// One empty cell inside is a hole between points, four are a bubble.
+TEST(AdaptMeshMPI, ASingleEmptyCellIsNoSurface)
+{
+  const auto level_inside = [](const std::string &hole) {
+    const auto scene =
+      small_scenes::read<2>(small_scenes::free_block(),
+                            {"Effects=inertia, adaptivity",
+                             "Domain/Cells=20, 20",
+                             "Bodies/block/Shape=box(0.1, 0.1, 0.9, 0.9) - " +
+                               hole,
+                             "Adaptivity/Surface=true",
+                             "Adaptivity/Finer levels=1",
+                             "Adaptivity/Buffer=1"});
+    World<2> world(scene, MPI_COMM_WORLD);
+    world.adapt();
+    int finest = 0;
+    for (const auto &cell : world.mesh->active_cell_iterators())
+      if (cell->is_locally_owned() &&
+          cell->center().distance(Point<2>(0.5, 0.5)) < 0.2)
+        finest = std::max(finest, cell->level());
+    return dealii::Utilities::MPI::max(finest, MPI_COMM_WORLD);
+  };
+  EXPECT_EQ(level_inside("box(0.45, 0.45, 0.5, 0.5)"), 2);
+  EXPECT_EQ(level_inside("box(0.45, 0.45, 0.55, 0.55)"), 3);
+}
+
+
 /// No more cells than the scene allows, and where the user has put a box they
 /// stay fine, whatever the criteria want.
 TEST(AdaptMeshMPI, KeepsToTheUsersLimits)

@@ -39,22 +39,25 @@ class Scene:
         self.solver, self.plain_solver = solvers
         self.values = values  # unknowns of a node
         self.seconds = seconds  # CPU a point and Newton iteration: doc/performance.md
-        self.coarse = coarse  # for each V-cycle: unknowns that ML leaves on a rank
+        self.coarse = coarse  # how many matrices have a V-cycle
         self.settings = settings
 
 
 CANTILEVER = Scene("cantilever", "cantilever.prm", 16384, 0.01, ("cg hats", "cg jacobi"), 2,
-                   8.2e-6, (3,),
+                   6.2e-6, 1,
                    "Domain/Cells=160, 112", "Probes/tip/Shape=box(3.96875, 0, 4, 1)")
 DAM = Scene("dam break on obstacle", "dam_break_obstacle.prm", 4910, 0.001,
-            ("gmres block", "minres jacobi"), 3, 15e-6, (3, 1))
-BEAM = Scene("cantilever", "cantilever.prm", 1024, 0.01, ("cg hats", "cg jacobi"), 2, 8.2e-6,
-             (3,))
+            ("gmres block", "minres jacobi"), 3, 15e-6, 2)
+BEAM = Scene("cantilever", "cantilever.prm", 1024, 0.01, ("cg hats", "cg jacobi"), 2, 6.2e-6, 1)
 # Layers of nodes around a rank's own that its rows couple with: a row reaches a
 # cell R away and that cell's points reach R further, 2 floor(R/h) + 1 with
 # R = 2.6 h (gamma 2.06) and 2.1 h (gamma 3).
 LAYERS = 5
 POINTS_A_CELL = 4
+# ML: unknowns of the coarsest matrix at most (it is collected on fewer ranks, see
+# Multigrid); nodes of an aggregate; on a level two sweeps down and up, two
+# residuals and the way to the next level, each an exchange with eight neighbours.
+COARSEST, AGGREGATE, EXCHANGES = 500, 9, 7 * 8
 # Of a step on two ranks (BEAM): messages, bytes, collectives. Without a matrix a
 # product sends forces back as well, but its values reach less far: before, with
 # 175 messages and 640 kB, the bounds were 220 and 800 kB.
@@ -158,7 +161,7 @@ class Model:
 
     def __init__(self, scene, measured):
         self.scene, self.krylov, self.newton = scene, measured.krylov, measured.newton
-        self.imbalance = measured.imbalance
+        self.imbalance, self.counted_on = measured.imbalance, measured.ranks
         self.messages = [counts[0] / measured.partners
                          for counts in (measured.step, measured.iteration)]
         self.bytes = [counts[1] / measured.halo for counts in (measured.step, measured.iteration)]
@@ -185,12 +188,13 @@ class Model:
         messages = self.of_step(self.messages) * self.partners(points, ranks)
         size = self.of_step(self.bytes) * self.halo(points)
         collectives = self.of_step(self.collectives)
-        coarse = 0.
-        for unknowns in self.scene.coarse:
-            n = max(500, unknowns * ranks)  # ML stops there, see Multigrid
-            exchange = 8 * n / machine.bandwidth + machine.reduction * depth
-            coarse += (machine.factor * n ** 1.5
-                       + self.krylov * (machine.substitution * n * math.log2(n) + exchange))
+        n = COARSEST
+        more_levels = max(0., math.log(ranks / self.counted_on) / math.log(AGGREGATE))
+        exchange = (8 * n / machine.bandwidth + machine.reduction * depth
+                    + more_levels * EXCHANGES * machine.latency)
+        coarse = self.scene.coarse * (
+            machine.factor * n ** 1.5
+            + self.krylov * (machine.substitution * n * math.log2(n) + exchange))
         return {"points": self.imbalance * points * self.newton * self.scene.seconds,
                 "messages": messages * machine.latency + size / machine.bandwidth,
                 "reductions": collectives * machine.reduction * depth

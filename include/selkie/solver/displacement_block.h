@@ -116,6 +116,7 @@ namespace selkie
                 system.n_owned_displacements(),
                 std::make_unique<const Multigrid>(hats,
                                                   dim,
+                                                  node_places(system),
                                                   rigid_body_modes(system)))
     {}
 

@@ -27,8 +27,11 @@ namespace selkie
   class Multigrid
   {
   public:
+    /// @param places of the owned nodes, a list for each direction: on several
+    ///   ranks, coarse levels are collected on fewer of them by these
     Multigrid(const Epetra_CrsMatrix            &matrix,
               const unsigned int                 n_equations,
+              std::vector<std::vector<double>> &&places,
               std::vector<std::vector<double>> &&modes = {});
     ~Multigrid();
 
@@ -37,9 +40,15 @@ namespace selkie
     apply(const double *b, double *x) const;
 
   private:
+    std::vector<std::vector<double>>                     places;
     std::vector<double>                                  null_space;
     std::unique_ptr<ML_Epetra::MultiLevelPreconditioner> ml;
   };
+
+  /// Places of the owned nodes, a list for each direction (m).
+  template <int dim>
+  std::vector<std::vector<double>>
+  node_places(const System<dim> &system);
 
   /// Translations and rotations at the owned nodes; zero where they are held.
   template <int dim>
