@@ -2,7 +2,6 @@
 
 #include <ml_MultiLevelPreconditioner.h>
 
-#include <array>
 #include <string>
 
 namespace selkie
@@ -41,11 +40,11 @@ namespace selkie
         list.set("repartition: partitioner", "Zoltan");
         list.set("repartition: Zoltan dimensions",
                  static_cast<int>(places.size()));
-        const std::array<std::string, 3> names = {"x", "y", "z"};
         for (unsigned int d = 0; d < places.size(); ++d)
           {
             places[d].reserve(1); // without a node, too: ML takes no null
-            list.set(names[d] + "-coordinates", places[d].data());
+            list.set(std::string(1, "xyz"[d]) + "-coordinates",
+                     places[d].data());
           }
       }
     for (const auto &mode : modes)
