@@ -51,7 +51,7 @@ namespace selkie
     if (!scene.adaptivity)
       return mesh;
     adapt_to_seeds(scene, *mesh);
-    // Much of it was finer: later adaptations would take four times as long.
+    // Much of it was finer: later adaptations would take several times as long.
     return copy_without_history(scene.domain, *mesh);
   }
 

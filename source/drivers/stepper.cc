@@ -432,14 +432,8 @@ namespace selkie
     build_supports(t, dt);
     if (!scene.inertia)
       return;
-    // Contact stops an approach within a step: a blow, no force to start with.
-    auto &patches = table.patches;
-    patches.erase(std::remove_if(patches.begin(),
-                                 patches.end(),
-                                 [](const auto &patch) {
-                                   return patch.contact;
-                                 }),
-                  patches.end());
+    if (scene.contact)
+      remove_contact_pairs(table);
     // The residual of the state at t itself: a step that ends there, and fields
     // for which Newmark's formulas at du = 0 give no acceleration and the
     // velocity v_n.

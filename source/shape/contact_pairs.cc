@@ -229,10 +229,25 @@ namespace selkie
             }
   }
 
+
+  template <int dim>
+  void
+  remove_contact_pairs(SupportTable<dim> &table)
+  {
+    auto &patches = table.patches;
+    patches.erase(std::remove_if(patches.begin(),
+                                 patches.end(),
+                                 [](const auto &patch) {
+                                   return patch.contact;
+                                 }),
+                  patches.end());
+  }
+
 #define INSTANTIATE(dim)                                  \
   template void add_contact_pairs(const NodeCloud<dim> &, \
                                   const Occupancy<dim> &, \
-                                  SupportTable<dim> &)
+                                  SupportTable<dim> &);   \
+  template void remove_contact_pairs(SupportTable<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);
 #undef INSTANTIATE

@@ -13,8 +13,8 @@ namespace selkie
 
   namespace
   {
-    /// The rows of a rank, restricted to the columns that
-    /// are displacements (or pressures) on their owners.
+    /// The rows of a rank, restricted to the columns that are displacements (or
+    /// pressures) on their owners.
     class Blocks
     {
     public:

@@ -3,6 +3,11 @@
 #include <selkie/mesh/node_cloud.h>
 #include <selkie/scene/scene.h>
 
+#include <deal.II/base/mpi.h>
+#include <deal.II/distributed/tria.h>
+
+#include <memory>
+
 namespace selkie
 {
   /// The nodes of a mesh that the scene's approximation is made of. Collective.

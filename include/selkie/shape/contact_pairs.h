@@ -30,4 +30,10 @@ namespace selkie
   add_contact_pairs(const NodeCloud<dim> &cloud,
                     const Occupancy<dim> &occupancy,
                     SupportTable<dim>    &table);
+
+  /// Takes them out again: contact stops an approach within a step, a blow, and
+  /// is no force to start with.
+  template <int dim>
+  void
+  remove_contact_pairs(SupportTable<dim> &table);
 } // namespace selkie

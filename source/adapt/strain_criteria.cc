@@ -1,0 +1,186 @@
+#include <selkie/adapt/strain_criteria.h>
+#include <selkie/base/types.h>
+#include <selkie/mesh/background_mesh.h>
+
+#include <deal.II/base/geometry_info.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace selkie
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// Green's strain.
+    template <int dim>
+    Tensor<2, dim>
+    strain(const Tensor<2, dim> &F)
+    {
+      return 0.5 * (transpose(F) * F - unit_symmetric_tensor<dim>());
+    }
+
+    /// Strains at nodes, recovered from those in the cells (Zienkiewicz and
+    /// Zhu 1987): at a corner the mean of the cells around it, by volume.
+    template <int dim>
+    class RecoveredStrain
+    {
+    public:
+      /// @param strains the cells' mean strains; of those without a volume
+      /// there are none
+      RecoveredStrain(const NodeCloud<dim>                 &cloud,
+                      const std::vector<OccupiedCell<dim>> &cells,
+                      const std::vector<Tensor<2, dim>>    &strains,
+                      const std::vector<double>            &volumes)
+        : cloud(cloud)
+        , volume(cloud.partitioner())
+      {
+        for (auto &component : sum)
+          component.reinit(cloud.partitioner());
+        for (unsigned int i = 0; i < cells.size(); ++i)
+          if (volumes[i] > 0.)
+            for (const unsigned int node : cloud.corners(cells[i].cell))
+              {
+                volume.local_element(node) += volumes[i];
+                for (unsigned int c = 0; c < sum.size(); ++c)
+                  sum[c].local_element(node) +=
+                    volumes[i] * strains[i][index(c)];
+              }
+        const auto collect = [](Vector &field) {
+          field.compress(VectorOperation::add);
+          field.update_ghost_values();
+        };
+        collect(volume);
+        for (auto &component : sum)
+          collect(component);
+      }
+
+      /// At a place in a cell of the mesh, by bilinear interpolation.
+      Tensor<2, dim>
+      operator()(const typename NodeCloud<dim>::Cell &cell,
+                 const Point<dim>                    &reference) const
+      {
+        Tensor<2, dim> E;
+        const auto     corners = cloud.corners(cell);
+        for (unsigned int v = 0; v < corners.size(); ++v)
+          {
+            const double share =
+              GeometryInfo<dim>::d_linear_shape_function(reference, v) /
+              volume.local_element(corners[v]);
+            for (unsigned int c = 0; c < sum.size(); ++c)
+              E[index(c)] += share * sum[c].local_element(corners[v]);
+          }
+        return E;
+      }
+
+    private:
+      static TableIndices<2>
+      index(const unsigned int c)
+      {
+        return {c / dim, c % dim};
+      }
+
+      const NodeCloud<dim>         &cloud;
+      Vector                        volume;
+      std::array<Vector, dim * dim> sum; ///< of volume times strain
+    };
+
+    /// A level more where a cell's error, the norm of the difference between
+    /// strain and recovered strain, is above the limit; one less where that of
+    /// a cell twice as wide would still be below it.
+    template <int dim, typename ForEachStrain>
+    void
+    level_by_error(const ParticleSet<dim>         &particles,
+                   const ForEachStrain            &for_each_strain,
+                   const RecoveredStrain<dim>     &recovered,
+                   std::vector<OccupiedCell<dim>> &cells)
+    {
+      const auto        &wishes = *particles.scene.adaptivity;
+      const unsigned int finest =
+        base_level(particles.scene.domain) + wishes.finer;
+      // In L2, of linear functions: h, and the root of the cell's volume.
+      const double        of_parent = std::pow(2., 1. + dim / 2.);
+      std::vector<double> squares(cells.size());
+      double              all = 0.;
+      for_each_strain(
+        [&](const unsigned int i, const Tensor<2, dim> &E, const auto &point) {
+          const double V = particles.columns.volume(point.get_properties());
+          squares[i] +=
+            V * (E - recovered(cells[i].cell, point.get_reference_location()))
+                  .norm_square();
+          all += V * E.norm_square();
+        });
+      all = Utilities::MPI::sum(all, particles.communicator());
+      for (unsigned int i = 0; i < cells.size() && all > 0.; ++i)
+        {
+          const double error =
+            std::sqrt(squares[i] / all) / wishes.strain_error;
+          const unsigned int level = cells[i].cell->level();
+          cells[i].level           = error >= 1. ? std::min(level + 1, finest)
+                                     : error >= 1. / of_parent || level == 0 ? level
+                                                                             : level - 1;
+        }
+    }
+  } // namespace
+
+
+  /// The largest strain of the solids' points in each cell, and the largest
+  /// difference of a point's strain from their mean.
+  template <int dim>
+  void
+  limit_strain(const ParticleSet<dim>         &particles,
+               const NodeCloud<dim>           &cloud,
+               std::vector<OccupiedCell<dim>> &cells)
+  {
+    const auto                 &wishes = *particles.scene.adaptivity;
+    std::vector<double>         largest(cells.size()), variation(cells.size());
+    std::vector<double>         volume(cells.size());
+    std::vector<Tensor<2, dim>> mean(cells.size());
+    const auto                  for_each_strain = [&](const auto &action) {
+      for_each_point(
+        particles, cells, [&](const unsigned int i, const auto &point) {
+          const auto mine = point.get_properties();
+          const auto body =
+            static_cast<unsigned int>(particles.columns.body(mine));
+          if (particles.scene.bodies[body].law->phase() == Phase::solid)
+            action(i, strain(particles.columns.F(mine)), point);
+        });
+    };
+    for_each_strain(
+      [&](const unsigned int i, const Tensor<2, dim> &E, const auto &point) {
+        const double V = particles.columns.volume(point.get_properties());
+        largest[i]     = std::max(largest[i], E.norm());
+        mean[i] += V * E;
+        volume[i] += V;
+      });
+    for (unsigned int i = 0; i < cells.size(); ++i)
+      if (volume[i] > 0.)
+        mean[i] /= volume[i];
+    for_each_strain(
+      [&](const unsigned int i, const Tensor<2, dim> &E, const auto &) {
+        variation[i] = std::max(variation[i], (E - mean[i]).norm());
+      });
+    limit(cells, largest, wishes.strain);
+    double scale = 0.;
+    for (const double strain : largest)
+      scale = std::max(scale, strain);
+    scale = Utilities::MPI::max(scale, particles.communicator());
+    limit(cells, variation, wishes.strain_variation * scale);
+    if (wishes.strain_error > 0.)
+      level_by_error(particles,
+                     for_each_strain,
+                     RecoveredStrain<dim>(cloud, cells, mean, volume),
+                     cells);
+  }
+
+  template void
+  limit_strain(const ParticleSet<2> &,
+               const NodeCloud<2> &,
+               std::vector<OccupiedCell<2>> &);
+  template void
+  limit_strain(const ParticleSet<3> &,
+               const NodeCloud<3> &,
+               std::vector<OccupiedCell<3>> &);
+} // namespace selkie
