@@ -360,7 +360,10 @@ namespace selkie
     if (as_block && !kernel.block.empty())
       tangent.add(unknowns, dense);
     else if (with_tangent && !kernel.block.empty())
-      system.points()->add(unknowns, state, kernel.with_mass);
+      system.points()->add(unknowns,
+                           state,
+                           kernel.with_mass,
+                           kernel.with_pressure);
     book(scattering);
     if (with_tangent && !kernel.block.empty() && system.hats())
       {
@@ -401,7 +404,7 @@ namespace selkie
     PointTangent<dim, double> *points =
       with_tangent ? system.points() : nullptr;
     if (points)
-      points->begin(system, table);
+      points->begin(system, table, pressure_unit);
     else if (with_tangent)
       {
         system.want_matrix(table);

@@ -171,7 +171,8 @@ namespace selkie
       {
         const TermUse use = term->use();
         traits.symmetric  = traits.symmetric && term->symmetric(newmark, h);
-        traits.at_points  = traits.at_points && !use.volume && !use.mean;
+        traits.at_points  = traits.at_points && !use.mean;
+        traits.consistent_mass |= use.mass;
       }
     return traits;
   }

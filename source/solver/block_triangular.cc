@@ -1,7 +1,9 @@
 #include <selkie/solver/displacement_block.h>
 #include <selkie/solver/preconditioner.h>
+#include <selkie/solver/tangent_blocks.h>
 
 #include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_Comm.h>
 #include <Epetra_CrsMatrix.h>
 
 #include <algorithm>
@@ -13,13 +15,13 @@ namespace selkie
 
   namespace
   {
-    /// The rows of a rank, restricted to the columns that are displacements (or
-    /// pressures) on their owners.
-    class Blocks
+    /// The hat functions' tangent: a rank's rows, restricted to the columns
+    /// that are displacements (or pressures) on their owners.
+    class HatBlocks
     {
     public:
       template <int dim>
-      Blocks(const System<dim> &system, const Epetra_CrsMatrix &K)
+      HatBlocks(const System<dim> &system, const Epetra_CrsMatrix &K)
         : n_u(system.n_owned_displacements())
         , n(system.n_owned())
         , u_map(-1, n_u, K.RowMap().MyGlobalElements(), 0, K.Comm())
@@ -84,15 +86,9 @@ namespace selkie
       }
     };
 
-    /// A vector's values at the pressures.
-    class PressureDiagonal
+    /// Products with a vector's values at the pressures, from `first` on.
+    struct PressureDiagonal
     {
-    public:
-      PressureDiagonal(const FloatVector &sample, const unsigned int first)
-        : first(first)
-        , inverse(sample)
-      {}
-
       void
       vmult(FloatVector &x, const FloatVector &b) const
       {
@@ -101,81 +97,57 @@ namespace selkie
             i < first ? 0.f : inverse.local_element(i) * b.local_element(i);
       }
 
-      const unsigned int first;
-      FloatVector        inverse;
+      unsigned int first;
+      FloatVector  inverse;
     };
 
-    /// S = C + B^T D^{-1} B, D = diag(A), never formed. Pressures are those
-    /// from `first` on.
+    /// S = B^T D^{-1} B - C, D = diag(A), never formed.
+    template <typename Blocks>
     class Schur : public Subscriptor
     {
     public:
-      template <int dim>
-      explicit Schur(const System<dim> &system)
-        : first(system.n_owned_displacements())
-        , B(system, Part::displacements, Part::pressures)
-        , BT(system, Part::pressures, Part::displacements)
-        , minus_C(system, Part::pressures, Part::pressures)
-        , D_inverse(float_vector(system.matrix()))
-        , scratch(D_inverse)
+      Schur(const Blocks &blocks, const unsigned int first_pressure)
+        : blocks(blocks)
+        , first(first_pressure)
+        , D_inverse(blocks.D_inverse())
       {
-        Epetra_Vector diagonal(system.matrix().epetra().RowMap());
-        system.matrix().epetra().ExtractDiagonalCopy(diagonal);
-        for (unsigned int i = 0; i < first; ++i)
-          D_inverse.local_element(i) = 1. / diagonal[i];
-        D_inverse.update_ghost_values();
+        scratch.reinit(D_inverse);
       }
 
       void
       vmult(FloatVector &y, const FloatVector &x) const
       {
-        x.update_ghost_values();
-        scratch = 0.f;
-        B.vmult_add(scratch, 1.f, x);
+        blocks.vmult_B(scratch, x);
         for (unsigned int i = 0; i < first; ++i)
           scratch.local_element(i) *= D_inverse.local_element(i);
-        scratch.update_ghost_values();
-        y = 0.f;
-        BT.vmult_add(y, 1.f, scratch);
-        minus_C.vmult_add(y, -1.f, x);
-        x.zero_out_ghost_values();
-        scratch.zero_out_ghost_values();
+        for (unsigned int i = first; i < x.locally_owned_size(); ++i)
+          scratch.local_element(i) = -x.local_element(i);
+        blocks.vmult_pressures(y, scratch);
       }
 
-      /// B is the transpose of B^T.
+      /// The inverse of its diagonal.
       std::shared_ptr<PressureDiagonal>
       diagonal() const
       {
-        auto  result = std::make_shared<PressureDiagonal>(scratch, first);
-        auto &d      = result->inverse;
-        minus_C.for_each([&](const unsigned int row,
-                             const unsigned int column,
-                             const float        value) {
-          if (row == column)
-            d.local_element(row) -= value;
-        });
-        BT.for_each([&](const unsigned int row,
-                        const unsigned int column,
-                        const float        value) {
-          d.local_element(row) +=
-            value * value * D_inverse.local_element(column);
-        });
+        auto  result  = std::make_shared<PressureDiagonal>();
+        auto &d       = result->inverse;
+        result->first = first;
+        d             = blocks.schur_diagonal(D_inverse);
         for (unsigned int i = first; i < d.locally_owned_size(); ++i)
           d.local_element(i) = 1.f / d.local_element(i);
         return result;
       }
 
-      const unsigned int first;
-      const FloatBlock   B, BT, minus_C;
-
     private:
-      FloatVector         D_inverse;
+      const Blocks       &blocks;
+      const unsigned int  first;
+      const FloatVector   D_inverse;
       mutable FloatVector scratch;
     };
 
     /// S of the hat functions, formed: they couple with neighbours only.
     std::unique_ptr<Epetra_CrsMatrix>
-    form_schur_complement(const Blocks &blocks)
+    form_schur_complement(const HatBlocks &blocks)
     {
       Epetra_Vector D_inverse(blocks.u_map);
       blocks.A->ExtractDiagonalCopy(D_inverse);
@@ -193,30 +165,34 @@ namespace selkie
       return std::unique_ptr<Epetra_CrsMatrix>(sum);
     }
 
-    /// Whether nodes hardly move each other: at each, what couples it with
-    /// others is less than half of the diagonal. Lumped masses of fluids are so
-    /// (0.01), consistent ones, stiff solids and viscous fluids are not (1 to
-    /// 15). Collective.
+    /// Whether nodes hardly move each other: at each, what couples its hat
+    /// function with others is less than half of the diagonal. Lumped masses of
+    /// fluids are so (0.01), consistent ones, stiff solids and viscous fluids
+    /// are not (1 to 15). Collective.
     template <int dim>
     bool
-    is_nearly_diagonal(const FloatBlock &A, const System<dim> &system)
+    is_nearly_diagonal(const Epetra_CrsMatrix &A)
     {
-      std::vector<float> excess(system.n_owned_displacements());
-      A.for_each([&](const unsigned int row,
-                     const unsigned int column,
-                     const float        value) {
-        if (row == column)
-          excess[row] -= 0.5f * value;
-        else if (row / dim != column / dim)
-          excess[row] += std::abs(value);
-      });
-      const bool everywhere =
-        std::all_of(excess.begin(), excess.end(), [](const float x) {
-          return x <= 0.f;
-        });
-      return Utilities::MPI::min(
-               static_cast<int>(everywhere),
-               system.partitioner()->get_mpi_communicator()) == 1;
+      int    *start, *column;
+      double *values;
+      A.ExtractCrsDataPointers(start, column, values);
+      int everywhere = 1;
+      for (int row = 0; row < A.NumMyRows(); ++row)
+        {
+          double excess = 0.;
+          for (int k = start[row]; k < start[row + 1]; ++k)
+            {
+              const int other = A.GCID(column[k]) == A.GRID(row) ? row : -1;
+              if (other == row)
+                excess -= 0.5 * values[k];
+              else if (A.GCID(column[k]) / dim != A.GRID(row) / dim)
+                excess += std::abs(values[k]);
+            }
+          everywhere = everywhere && excess <= 0.;
+        }
+      int everywhere_on_all = 0;
+      A.Comm().MinAll(&everywhere, &everywhere_on_all, 1);
+      return everywhere_on_all == 1;
     }
 
     /// Of the nodes of the owned pressures, a list for each direction (m).
@@ -232,47 +208,46 @@ namespace selkie
     }
 
     /// See make_block_triangular().
-    template <int dim>
+    template <int dim, typename Blocks>
     class BlockTriangular : public Preconditioner
     {
     public:
       BlockTriangular(const System<dim>      &system,
                       const Epetra_CrsMatrix &hat_matrix)
-        : hats(system, hat_matrix)
+        : first(system.n_owned_displacements())
+        , hats(system, hat_matrix)
         , S_hats(form_schur_complement(hats))
-        , S(system)
+        , blocks(system)
+        , S(blocks, first)
         , S_inverse(S,
                     S.diagonal(),
-                    float_vector(system.matrix()),
-                    S.first,
+                    float_vector(system),
+                    first,
                     system.n_owned(),
                     std::make_unique<const Multigrid>(*S_hats,
                                                       1,
                                                       pressure_places(system)))
-        , in(float_vector(system.matrix()))
+        , in(float_vector(system))
         , u(in)
         , p(in)
       {
-        auto block = displacements_of(system);
-        if (is_nearly_diagonal(*block, system))
-          A_diagonal =
-            diagonal_of<dim>(*block, system.n_owned_displacements() / dim);
+        if (is_nearly_diagonal<dim>(*hats.A))
+          A_diagonal = blocks.node_diagonal();
         else
-          A = std::make_unique<DisplacementBlock<dim, FloatBlock>>(
-            system, *hats.A, std::move(block));
+          A = std::make_unique<Displacements>(system,
+                                              *hats.A,
+                                              blocks.displacements());
       }
 
       void
       vmult(Vector &x, const Vector &b) const override
       {
-        const unsigned int n_u = S.first;
         in.copy_locally_owned_data_from(b);
         S_inverse.vmult(p, in);
         p *= -1.f;
-        p.update_ghost_values();
-        S.B.vmult_add(in, -1.f, p);
-        p.zero_out_ghost_values();
-        for (unsigned int i = n_u; i < in.locally_owned_size(); ++i)
+        blocks.vmult_B(u, p);
+        in -= u;
+        for (unsigned int i = first; i < in.locally_owned_size(); ++i)
           in.local_element(i) = 0.f;
         if (A)
           A->inverse.vmult(u, in);
@@ -283,13 +258,18 @@ namespace selkie
       }
 
     private:
-      const Blocks                                        hats;
-      const std::unique_ptr<Epetra_CrsMatrix>             S_hats;
-      const Schur                                         S;
-      const TwoLevel<Schur, PressureDiagonal>             S_inverse;
-      std::unique_ptr<DisplacementBlock<dim, FloatBlock>> A;
-      std::shared_ptr<NodeDiagonal<dim, float>>           A_diagonal;
-      mutable FloatVector                                 in, u, p;
+      using Displacements =
+        DisplacementBlock<dim, typename Blocks::Displacements>;
+
+      const unsigned int                              first; ///< pressure
+      const HatBlocks                                 hats;
+      const std::unique_ptr<Epetra_CrsMatrix>         S_hats;
+      const Blocks                                    blocks;
+      const Schur<Blocks>                             S;
+      const TwoLevel<Schur<Blocks>, PressureDiagonal> S_inverse;
+      std::unique_ptr<Displacements>                  A;
+      std::shared_ptr<NodeDiagonal<dim, float>>       A_diagonal;
+      mutable FloatVector                             in, u, p;
     };
   } // namespace
 
@@ -298,8 +278,12 @@ namespace selkie
   std::unique_ptr<const Preconditioner>
   make_block_triangular(const System<dim> &system)
   {
+    if (system.points())
+      return std::make_unique<BlockTriangular<dim, PointBlocks<dim>>>(
+        system, system.hats()->epetra());
     const auto &hats = system.hats() ? *system.hats() : system.matrix();
-    return std::make_unique<BlockTriangular<dim>>(system, hats.epetra());
+    return std::make_unique<BlockTriangular<dim, MatrixBlocks<dim>>>(
+      system, hats.epetra());
   }
 
   template std::unique_ptr<const Preconditioner>

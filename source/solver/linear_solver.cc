@@ -40,11 +40,12 @@ namespace selkie
 
   namespace
   {
-    /// Whether products and node blocks are all that it needs.
+    /// Whether it can do without a matrix (of LME functions).
     bool
     works_at_points(const SolverKind kind)
     {
-      return kind == SolverKind::cg_hats || kind == SolverKind::cg_jacobi;
+      return kind == SolverKind::cg_hats || kind == SolverKind::cg_jacobi ||
+             kind == SolverKind::gmres_block;
     }
 
     /// Whether its preconditioner is made of System::hats().
@@ -71,11 +72,17 @@ namespace selkie
     SolverChoice choice = choose_kind(system, traits);
     if (traits.lme && works_at_points(choice.kind))
       {
-        choice.matrix = !traits.at_points;
+        // Waves of a consistent mass take twice the iterations, and in 2D a
+        // matrix is assembled in a dozen.
+        const bool many_products =
+          dim == 2 && traits.mixed && traits.consistent_mass;
+        choice.matrix = !traits.at_points || many_products;
         choice.reason +=
-          traits.at_points
-            ? "; without a matrix"
-            : "; with a matrix: not all terms are of points alone";
+          !traits.at_points
+            ? "; with a matrix: not all terms are of points alone"
+          : many_products
+            ? "; with a matrix: a consistent mass takes many products"
+            : "; without a matrix";
       }
     return choice;
   }

@@ -40,34 +40,20 @@ namespace selkie
     {
     public:
       explicit NodeBlockJacobi(const System<dim> &system)
-        : diagonal(blocks_of(system))
+        : diagonal(system.points()
+                     ? std::make_shared<NodeDiagonal<dim, double>>(
+                         system.points()->node_blocks())
+                     : diagonal_of_matrix<dim, double>(system))
       {}
 
       void
       vmult(Vector &x, const Vector &b) const override
       {
-        diagonal.vmult(x, b);
+        diagonal->vmult(x, b);
       }
 
     private:
-      static NodeDiagonal<dim, double>
-      blocks_of(const System<dim> &system)
-      {
-        if (system.points())
-          return NodeDiagonal<dim, double>(system.points()->node_blocks());
-        NodeDiagonal<dim, double> diagonal(system.n_owned_displacements() /
-                                           dim);
-        int                      *start, *column;
-        double                   *values;
-        system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
-        for (unsigned int i = 0; i < system.n_owned_displacements(); ++i)
-          for (int k = start[i]; k < start[i + 1]; ++k)
-            diagonal.add(i, column[k], values[k]);
-        diagonal.invert();
-        return diagonal;
-      }
-
-      const NodeDiagonal<dim, double> diagonal;
+      const std::shared_ptr<NodeDiagonal<dim, double>> diagonal;
     };
 
     /// ML on the matrix itself.

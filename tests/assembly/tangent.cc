@@ -1,13 +1,6 @@
 // Every block of the assembled tangent against central differences of the
 // assembled residual, in a scene with all of them: a viscous mixed fluid with
 // PPP, Gauss points in full cells and an elastic solid that shares its nodes.
-#include <selkie/assembly/assembler.h>
-#include <selkie/mesh/background_mesh.h>
-#include <selkie/shape/contact_pairs.h>
-#include <selkie/shape/lme_support.h>
-#include <selkie/terms/effect_table.h>
-#include <selkie/transfer/transfer.h>
-
 #include <deal.II/lac/full_matrix.h>
 
 #include <gtest/gtest.h>
@@ -15,75 +8,27 @@
 #include <algorithm>
 #include <limits>
 
-#include "../small_scenes.h"
+#include "../performance/assembled_scene.h"
 
 namespace
 {
   using namespace selkie;
 
+  /// A state away from rest, with pressure.
   template <int dim>
-  struct Problem
+  struct Problem : AssembledScene<dim>
   {
     explicit Problem(const std::string              &text,
                      const std::vector<std::string> &overrides = {})
-      : scene(small_scenes::read<dim>(text, overrides))
-      , mesh(make_background_mesh(scene.domain, MPI_COMM_WORLD))
-      , particles(scene, *mesh)
+      : AssembledScene<dim>(text, overrides, {0.3025, 0.6, 2e-3})
     {
-      particles.seed();
-      cloud      = std::make_unique<NodeCloud<dim>>(*mesh,
-                                               scene.lme.gamma,
-                                               scene.lme.support_tolerance,
-                                               scene.n_layers());
-      conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
-      terms      = terms_of(scene);
-      system     = std::make_unique<System<dim>>(*cloud,
-                                             *conditions,
-                                             scene.pressure_phases());
-      assembler  = std::make_unique<Assembler<dim>>(terms, *system);
-
-      auto       stored    = no_pressures(scene, *cloud);
-      const bool gauss     = scene.has_fluid();
-      const auto occupancy = find_occupancy(particles, *cloud, gauss);
-      fill_material_points(particles, *cloud, occupancy, table);
-      if (scene.contact)
-        add_contact_pairs(*cloud, occupancy, table);
-      system->reinit(occupancy, table);
-      project(particles,
-              table,
-              *system,
-              0.,
-              time.newmark.dt,
-              stored,
-              static_cast<const NodalState<dim> *>(nullptr),
-              fields);
-      if (gauss)
-        {
-          store_pressures(*system, fields, stored);
-          GaussSupports<dim> known;
-          add_gauss_points(*cloud, stored.at(0), known, table);
-        }
-      if (scene.wall_points)
-        add_wall_points(*cloud, *scene.wall_points, table);
-      // A state away from rest, with pressure.
-      for (unsigned int i = 0; i < system->n_owned(); ++i)
-        fields.x.local_element(i) =
-          i < system->n_owned_displacements()
-            ? (system->held(i) ? 0. : 2e-3 * std::sin(3. + i))
+      const System<dim> &system = *this->system;
+      for (unsigned int i = 0; i < system.n_owned(); ++i)
+        this->fields.x.local_element(i) =
+          i < system.n_owned_displacements()
+            ? (system.held(i) ? 0. : 2e-3 * std::sin(3. + i))
             : 500. + 300. * std::sin(i);
     }
-
-    Scene<dim>                                                         scene;
-    std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>> mesh;
-    ParticleSet<dim>                              particles;
-    std::unique_ptr<NodeCloud<dim>>               cloud;
-    std::unique_ptr<NodeConditions<dim>>          conditions;
-    std::vector<std::shared_ptr<const Term<dim>>> terms;
-    std::unique_ptr<System<dim>>                  system;
-    std::unique_ptr<Assembler<dim>>               assembler;
-    SupportTable<dim>                             table;
-    StepFields                                    fields;
-    StepTime time{0., Newmark(0.3025, 0.6, 2e-3)};
   };
 
   /// Largest error of K d against (R(x + s d) - R(x - s d)) / 2 s, relative to

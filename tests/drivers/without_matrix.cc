@@ -1,5 +1,6 @@
-// Steps of a 3D solid whose tangent stays at the points: as by the matrix, and
-// by the direct solver where conjugate gradients give up.
+// Steps of 3D scenes whose tangent stays at the points, a solid and water with
+// mixed and other solids: as by the matrix, and by the direct solver where
+// conjugate gradients give up.
 #include <selkie/drivers/stepper.h>
 #include <selkie/mesh/background_mesh.h>
 
@@ -59,8 +60,9 @@ end
 
   struct Fall
   {
-    explicit Fall(const std::vector<std::string> &overrides)
-      : scene(small_scenes::read<3>(hanging_block(), overrides))
+    explicit Fall(const std::vector<std::string> &overrides,
+                  const std::string              &text = hanging_block())
+      : scene(small_scenes::read<3>(text, overrides))
       , mesh(make_background_mesh(scene.domain, MPI_COMM_WORLD))
       , particles(scene, *mesh)
       , timers(MPI_COMM_WORLD)
@@ -140,4 +142,18 @@ TEST(WithoutMatrixMPI, TheDirectSolverGetsAMatrix)
   EXPECT_EQ(points.stepper->system().points(), nullptr);
   EXPECT_LT((points.moments - matrix.moments).norm(),
             1e-12 * matrix.moments.norm());
+}
+
+TEST(WithoutMatrixMPI, StepsOfWaterAndSolidsAreThoseOfTheMatrix)
+{
+  const std::string water = small_scenes::water_on_rubber(3);
+  const Fall        points(and_also("Linear solver/Solver=gmres block"), water);
+  const Fall        matrix(and_also("Linear solver/Solver=direct"), water);
+  EXPECT_EQ(points.said, "");
+  EXPECT_GT(points.n_iterations, 0u);
+  EXPECT_NE(points.stepper->system().points(), nullptr);
+  EXPECT_EQ(points.stepper->system().n_nonzero_elements(), 0u);
+  EXPECT_GT(matrix.stepper->system().n_nonzero_elements(), 0u);
+  EXPECT_LT((points.moments - matrix.moments).norm(),
+            1e-10 * matrix.moments.norm());
 }

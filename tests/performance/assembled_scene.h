@@ -16,27 +16,32 @@
 
 #include "../small_scenes.h"
 
-/// A scene of solids with its supports: everything before the assembly.
+/// A scene with its supports: everything before the assembly.
 template <int dim>
 struct AssembledScene
 {
   explicit AssembledScene(const std::string              &text,
-                          const std::vector<std::string> &overrides = {})
-    : scene(small_scenes::read<dim>(text, overrides))
+                          const std::vector<std::string> &overrides = {},
+                          const selkie::Newmark &newmark = {0.25, 0.5, 1e-3})
+    : time{0., newmark}
+    , scene(small_scenes::read<dim>(text, overrides))
     , mesh(selkie::make_background_mesh<dim>(scene.domain, MPI_COMM_WORLD))
     , particles(scene, *mesh)
   {
     using namespace selkie;
     particles.seed();
-    cloud      = std::make_unique<NodeCloud<dim>>(*mesh,
+    cloud                = std::make_unique<NodeCloud<dim>>(*mesh,
                                              scene.lme.gamma,
                                              scene.lme.support_tolerance,
                                              scene.n_layers());
-    conditions = std::make_unique<NodeConditions<dim>>(scene, *cloud);
-    system     = std::make_unique<System<dim>>(*cloud, *conditions, false);
-    terms      = terms_of(scene);
-    assembler  = std::make_unique<Assembler<dim>>(terms, *system);
-    const auto occupancy = find_occupancy(particles, *cloud, false);
+    conditions           = std::make_unique<NodeConditions<dim>>(scene, *cloud);
+    system               = std::make_unique<System<dim>>(*cloud,
+                                           *conditions,
+                                           scene.pressure_phases());
+    terms                = terms_of(scene);
+    assembler            = std::make_unique<Assembler<dim>>(terms, *system);
+    auto       stored    = no_pressures(scene, *cloud);
+    const auto occupancy = find_occupancy(particles, *cloud, scene.has_fluid());
     fill_material_points(particles, *cloud, occupancy, table);
     if (scene.contact)
       add_contact_pairs(*cloud, occupancy, table);
@@ -45,23 +50,30 @@ struct AssembledScene
             table,
             *system,
             0.,
-            dt,
-            StoredPressures(),
+            time.newmark.dt,
+            stored,
             static_cast<const NodalState<dim> *>(nullptr),
             fields);
+    if (scene.has_fluid())
+      {
+        store_pressures(*system, fields, stored);
+        GaussSupports<dim> known;
+        add_gauss_points(*cloud, stored.at(0), known, table);
+      }
     if (scene.wall_points)
       add_wall_points(*cloud, *scene.wall_points, table);
     system->initialize(residual);
   }
 
-  /// The residual, and the matrix if asked for.
+  /// The residual, and the tangent if asked for.
   void
-  assemble(const bool with_tangent)
+  assemble(const bool with_tangent, const double pressure_unit = 1.)
   {
-    assembler->assemble(table, time, fields, 1., with_tangent, residual);
+    assembler->assemble(
+      table, time, fields, pressure_unit, with_tangent, residual);
   }
 
-  static constexpr double                                  dt = 1e-3;
+  const selkie::StepTime                                   time;
   selkie::Scene<dim>                                       scene;
   std::unique_ptr<typename selkie::ParticleSet<dim>::Mesh> mesh;
   selkie::ParticleSet<dim>                                 particles;
@@ -73,5 +85,4 @@ struct AssembledScene
   selkie::SupportTable<dim>                                table;
   selkie::StepFields                                       fields;
   selkie::Vector                                           residual;
-  const selkie::StepTime time{0., selkie::Newmark(0.25, 0.5, dt)};
 };

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <selkie/assembly/point_tangent.h>
 #include <selkie/assembly/system.h>
 #include <selkie/solver/float_block.h>
 #include <selkie/solver/multigrid.h>
 #include <selkie/solver/two_level.h>
 
 #include <deal.II/base/tensor.h>
+
+#include <Epetra_CrsMatrix.h>
 
 #include <memory>
 #include <utility>
@@ -23,8 +26,10 @@ namespace selkie
     {}
 
     /// @param blocks of the diagonal, not yet inverted
-    explicit NodeDiagonal(std::vector<dealii::Tensor<2, dim, Number>> &&blocks)
-      : blocks(std::move(blocks))
+    template <typename OtherNumber>
+    explicit NodeDiagonal(
+      const std::vector<dealii::Tensor<2, dim, OtherNumber>> &blocks)
+      : blocks(blocks.begin(), blocks.end())
     {
       invert();
     }
@@ -63,6 +68,23 @@ namespace selkie
   private:
     std::vector<dealii::Tensor<2, dim, Number>> blocks;
   };
+
+  /// Of the system's matrix.
+  template <int dim, typename Number>
+  std::shared_ptr<NodeDiagonal<dim, Number>>
+  diagonal_of_matrix(const System<dim> &system)
+  {
+    const unsigned int n = system.n_owned_displacements();
+    auto    diagonal     = std::make_shared<NodeDiagonal<dim, Number>>(n / dim);
+    int    *start, *column;
+    double *values;
+    system.matrix().epetra().ExtractCrsDataPointers(start, column, values);
+    for (unsigned int i = 0; i < n; ++i)
+      for (int k = start[i]; k < start[i + 1]; ++k)
+        diagonal->add(i, column[k], values[k]);
+    diagonal->invert();
+    return diagonal;
+  }
 
   /// Of a copy of a matrix.
   template <int dim>
@@ -133,4 +155,5 @@ namespace selkie
                                               Part::displacements,
                                               Part::displacements);
   }
+
 } // namespace selkie

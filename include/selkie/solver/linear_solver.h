@@ -19,6 +19,8 @@ namespace selkie
     bool   lme          = false; ///< else hat functions themselves
     double acoustic_cfl = 0;     ///< largest c dt / h over the bodies
     bool   at_points    = true;  ///< PointTangent can be its tangent
+
+    bool consistent_mass = false; ///< else lumped, or none
   };
 
   /// K x = rhs with System::points() or System::matrix().
