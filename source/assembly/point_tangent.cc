@@ -67,7 +67,8 @@ namespace selkie
       std::max<std::size_t>(values.size(), n_columns * cell.n_padded));
     fluxes.resize(
       std::max<std::size_t>(fluxes.size(),
-                            n_groups * lanes * (dim * (dim + 1) + 1)));
+                            n_groups * lanes *
+                              PatchProduct<dim, Number, true, true>::n_fluxes));
     layout.cells.push_back(cell);
     return cell;
   }

@@ -1,13 +1,13 @@
 #include <selkie/base/exceptions.h>
 #include <selkie/solver/direct_solver.h>
+#include <selkie/solver/mumps.h>
 
 #include <Amesos_Klu.h>
-#include <Amesos_Mumps.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_LinearProblem.h>
 #include <Epetra_Vector.h>
-#include <Teuchos_ParameterList.hpp>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -21,46 +21,35 @@ namespace selkie
   public:
     Factors(const std::shared_ptr<const SystemMatrix> &K,
             const bool                                 symmetric,
-            const int                                  room,
             const int most_unknowns_on_one_rank)
       : matrix(K)
       , symmetric(symmetric)
-      , room(room)
     {
       const Epetra_CrsMatrix &epetra = K->epetra();
-      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&epetra));
-      if (epetra.Comm().NumProc() > 1 &&
-          epetra.NumGlobalRows() <= most_unknowns_on_one_rank)
+      if (epetra.Comm().NumProc() == 1 ||
+          epetra.NumGlobalRows() > most_unknowns_on_one_rank)
         {
-          solver   = std::make_unique<Amesos_Klu>(problem);
-          klu_says = solver->SymbolicFactorization();
+          mumps = std::make_unique<Mumps>(epetra, symmetric);
           return;
         }
-      auto with_mumps = std::make_unique<Amesos_Mumps>(problem);
-      mumps           = with_mumps.get();
-      solver          = std::move(with_mumps);
-      Teuchos::ParameterList list;
-      list.set("OutputLevel", 0);
-      list.set("MatrixProperty", symmetric ? "symmetric" : "general");
-      mumps->SetParameters(list);
-      constexpr int relaxation_of_room = 14; // ICNTL(14)
-      mumps->SetICNTL(relaxation_of_room, room);
-      mumps->SymbolicFactorization();
+      problem.SetOperator(const_cast<Epetra_CrsMatrix *>(&epetra));
+      klu = std::make_unique<Amesos_Klu>(problem);
+      klu->SymbolicFactorization();
     }
 
-    /// @return the solver's error (MUMPS's INFOG(1)), negative on failure;
-    /// alike on all ranks.
+    /// @return the solver's error, negative on failure; alike on all ranks.
     int
-    factorise()
+    factorise(const int room)
     {
-      if (error() >= 0)
-        klu_says = solver->NumericFactorization();
-      return error();
+      error = mumps ? mumps->factorise(room) : klu->NumericFactorization();
+      return error;
     }
 
     int
     solve(Vector &x, const Vector &b)
     {
+      if (mumps)
+        return mumps->solve(x.begin(), b.begin());
       const auto view = [](const Epetra_Map &map, const Vector &vector) {
         return Epetra_Vector(View, map, const_cast<double *>(vector.begin()));
       };
@@ -69,49 +58,39 @@ namespace selkie
       auto        rhs      = view(K.OperatorRangeMap(), b);
       problem.SetLHS(&solution);
       problem.SetRHS(&rhs);
-      klu_says = solver->Solve();
+      const int result = klu->Solve();
       problem.SetLHS(nullptr);
       problem.SetRHS(nullptr);
-      return error();
+      return result;
     }
 
     const char *
     name() const
     {
-      return mumps != nullptr ? "MUMPS" : "KLU";
+      return mumps ? "MUMPS" : "KLU";
     }
 
     bool
-    too_little_room()
+    too_little_room() const
     {
-      const int e = error();
-      return mumps != nullptr &&
-             (e == -8 || e == -9); // for integers, for reals
+      return mumps && (error == -8 || error == -9); // for integers, for reals
     }
 
     bool
-    singular()
+    singular() const
     {
-      return error() ==
-             (mumps != nullptr ? -10 : NumericallySingularMatrixError);
+      return error == (mumps ? -10 : NumericallySingularMatrixError);
     }
 
     const std::shared_ptr<const SystemMatrix> matrix;
-
-    const bool symmetric;
-    const int  room;
+    const bool                                symmetric;
+    int                                       room = 0; ///< that sufficed
 
   private:
-    int
-    error()
-    {
-      return mumps != nullptr ? mumps->GetINFOG()[0] : klu_says;
-    }
-
-    Epetra_LinearProblem               problem;
-    std::unique_ptr<Amesos_BaseSolver> solver;
-    Amesos_Mumps                      *mumps    = nullptr; ///< if it is that
-    int                                klu_says = 0;
+    std::unique_ptr<Mumps>      mumps;
+    Epetra_LinearProblem        problem; ///< KLU's
+    std::unique_ptr<Amesos_Klu> klu;
+    int                         error = 0; ///< of the last factorisation
   };
 
   DirectSolver::DirectSolver(const int most_unknowns_on_one_rank)
@@ -123,24 +102,20 @@ namespace selkie
   void
   DirectSolver::factorise(const std::shared_ptr<const SystemMatrix> &K,
                           const bool                                 symmetric,
-                          const int                                  room)
+                          const int                                  first_room)
   {
     if (!factors || factors->matrix != K || factors->symmetric != symmetric)
-      factors = std::make_unique<Factors>(K,
-                                          symmetric,
-                                          room,
-                                          most_unknowns_on_one_rank);
+      factors =
+        std::make_unique<Factors>(K, symmetric, most_unknowns_on_one_rank);
 
     constexpr int most_room = 5000; // percent
-    int           error     = factors->factorise();
-    while (factors->too_little_room() && factors->room < most_room)
+    int          &room      = factors->room;
+    room                    = std::max(room, first_room);
+    int error               = factors->factorise(room);
+    while (factors->too_little_room() && room < most_room)
       {
-        const int more = 2 * (100 + factors->room) - 100;
-        factors        = std::make_unique<Factors>(K,
-                                            symmetric,
-                                            more,
-                                            most_unknowns_on_one_rank);
-        error          = factors->factorise();
+        room  = 2 * (100 + room) - 100;
+        error = factors->factorise(room);
       }
     if (error >= 0) // above zero: a warning
       return;

@@ -614,7 +614,10 @@ def ranks(selkie, folder, what):
 def balance(selkie, folder):
     """A dam break that leaves a rank with too few points: the cells are shared out
     anew, and the statistics stay those of one rank."""
-    ranks(selkie, folder, "dam_break:80:Domain/Cells=32, 24:Time/Step=2e-3:Domain/Balance steps=5")
+    # (With loose linear solves, whose errors depend on the partition, a step ends
+    # near Newton's tolerance, and may need one iteration more.)
+    ranks(selkie, folder, "dam_break:80:Domain/Cells=32, 24:Time/Step=2e-3:Domain/Balance steps=5"
+          ":Linear solver/Loosest tolerance=1e-8")
     for n in (2, 3):
         with open(folder / str(n) / "timing.csv", newline="") as file:
             calls = sum(int(row["calls"]) for row in csv.DictReader(file) if row["path"] == "balance")

@@ -71,8 +71,8 @@ namespace
     LinearSolveReport
     solve_by(LinearSolver<2> &solver)
     {
-      return solver.solve(
-        {*system, SystemTraits(), rhs, scene.linear_solver.tolerance}, x);
+      return solver.solve({*system, traits, rhs, scene.linear_solver.tolerance},
+                          x);
     }
 
     LinearSolveReport
@@ -97,6 +97,7 @@ namespace
     std::unique_ptr<NodeCloud<2>>                                    cloud;
     std::unique_ptr<NodeConditions<2>>                               conditions;
     std::unique_ptr<System<2>>                                       system;
+    SystemTraits                                                     traits;
     Vector                                                           rhs, x;
     Vector                                                           residual;
     std::string                                                      log;
@@ -107,6 +108,7 @@ namespace
   void
   make_skew(Problem &problem)
   {
+    problem.traits.symmetric = false;
     problem.system->matrix().clear();
     for (unsigned int i = 0; i < problem.system->n_owned(); i += 2)
       {

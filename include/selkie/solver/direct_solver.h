@@ -7,7 +7,7 @@
 namespace selkie
 {
   /**
-   * MUMPS, through Amesos; on several ranks KLU for small systems, since MUMPS
+   * MUMPS; on several ranks KLU (through Amesos) for small systems, since MUMPS
    * does not give the same to the last digit there, run for run. What deal.II's
    * SolverDirect does not do:
    *
