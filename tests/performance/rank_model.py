@@ -44,11 +44,11 @@ class Scene:
 
 
 CANTILEVER = Scene("cantilever", "cantilever.prm", 16384, 0.01, ("cg hats", "cg jacobi"), 2,
-                   6.2e-6, 1,
+                   6.5e-6, 1,
                    "Domain/Cells=160, 112", "Probes/tip/Shape=box(3.96875, 0, 4, 1)")
 DAM = Scene("dam break on obstacle", "dam_break_obstacle.prm", 4910, 0.001,
-            ("gmres block", "minres jacobi"), 3, 15e-6, 2)
-BEAM = Scene("cantilever", "cantilever.prm", 1024, 0.01, ("cg hats", "cg jacobi"), 2, 6.2e-6, 1)
+            ("gmres block", "minres jacobi"), 3, 11e-6, 2)
+BEAM = Scene("cantilever", "cantilever.prm", 1024, 0.01, ("cg hats", "cg jacobi"), 2, 6.5e-6, 1)
 # Layers of nodes around a rank's own that its rows couple with: a row reaches a
 # cell R away and that cell's points reach R further, 2 floor(R/h) + 1 with
 # R = 2.6 h (gamma 2.06) and 2.1 h (gamma 3).
