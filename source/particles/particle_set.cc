@@ -28,7 +28,7 @@ namespace selkie
     {
       std::vector<unsigned int> costs;
       for (const auto &body : scene.bodies)
-        costs.push_back(body.has_pressure ? 25 : 10);
+        costs.push_back(body.has_pressure ? 17 : 10);
       return costs;
     }
 

@@ -105,7 +105,7 @@ namespace selkie
     imbalance() const;
 
     /// Repartitions the mesh by what the points of its cells cost, and takes
-    /// them along: those with a pressure 2.5 times what the others do, as was
+    /// them along: those with a pressure 1.7 times what the others do, as was
     /// measured (doc/performance.md, "What a point costs"). Not by times of the
     /// run itself: these differ from one to the next, and with them the
     /// partition and round-off. Node clouds and whatever else hangs on the mesh
