@@ -48,7 +48,7 @@ namespace selkie
       {
         result.largest_step = farthest / std::sqrt(2. * work);
         if (scene.has_solid())
-          result.growth = 2.1;
+          result.growth = 1.6;
       }
     else if (!scene.has_solid())
       result.growth = 1.;
