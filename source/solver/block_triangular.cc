@@ -182,10 +182,10 @@ namespace selkie
           double excess = 0.;
           for (int k = start[row]; k < start[row + 1]; ++k)
             {
-              const int other = A.GCID(column[k]) == A.GRID(row) ? row : -1;
+              const int other = A.LRID(A.GCID(column[k])); // -1: not ours
               if (other == row)
                 excess -= 0.5 * values[k];
-              else if (A.GCID(column[k]) / dim != A.GRID(row) / dim)
+              else if (other < 0 || other / dim != row / dim)
                 excess += std::abs(values[k]);
             }
           everywhere = everywhere && excess <= 0.;

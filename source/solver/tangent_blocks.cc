@@ -90,6 +90,7 @@ namespace selkie
   PointBlocks<dim>::PointBlocks(const System<dim> &system)
     : tangent(*system.points())
     , coupling(tangent)
+    , node_blocks(tangent.node_blocks())
   {}
 
   template <int dim>
@@ -117,7 +118,7 @@ namespace selkie
   std::shared_ptr<NodeDiagonal<dim, float>>
   PointBlocks<dim>::node_diagonal() const
   {
-    return std::make_shared<NodeDiagonal<dim, float>>(tangent.node_blocks());
+    return std::make_shared<NodeDiagonal<dim, float>>(node_blocks);
   }
 
   template <int dim>
@@ -126,10 +127,9 @@ namespace selkie
   {
     FloatVector inverse;
     inverse.reinit(tangent.partitioner());
-    const auto blocks = tangent.node_blocks();
-    for (unsigned int node = 0; node < blocks.size(); ++node)
+    for (unsigned int node = 0; node < node_blocks.size(); ++node)
       for (unsigned int i = 0; i < dim; ++i)
-        inverse.local_element(dim * node + i) = 1. / blocks[node][i][i];
+        inverse.local_element(dim * node + i) = 1. / node_blocks[node][i][i];
     inverse.update_ghost_values();
     return inverse;
   }

@@ -56,10 +56,10 @@ namespace selkie
 
   /**
    * The linear solvers, after the measurements of solver.md and
-   * doc/performance.md: conjugate gradients for solids (for LME without a
-   * matrix), with node-block Jacobi below acoustic CFL 10 and multigrid above
-   * (TwoLevel for LME, ML for hat functions); GMRES with the block triangular
-   * preconditioner for mixed systems; the direct solver for small ones. On
+   * doc/performance.md: conjugate gradients for solids, with node-block Jacobi
+   * below acoustic CFL 10 and multigrid above (TwoLevel for LME, ML for hat
+   * functions); GMRES with the block triangular preconditioner for mixed
+   * systems; the direct solver for small ones. LME mostly has no matrix. On
    * breakdown, stagnation or NaN the direct solver takes over, and says so, and
    * a matrix is made for it if there was none. Every result, the direct
    * one too, is judged by its true residual: |rhs - K x| <= tolerance |rhs|,

@@ -76,5 +76,7 @@ namespace selkie
   private:
     const PointTangent<dim, double> &tangent;
     const PointCoupling<dim>         coupling;
+
+    const std::vector<dealii::Tensor<2, dim>> node_blocks; ///< A's
   };
 } // namespace selkie
