@@ -1,6 +1,6 @@
 #include <selkie/adapt/adapt_mesh.h>
-#include <selkie/adapt/flag_cells.h>
 #include <selkie/mesh/background_mesh.h>
+#include <selkie/mesh/forest.h>
 #include <selkie/output/audit.h>
 #include <selkie/particles/rearrange.h>
 #include <selkie/transfer/recall_points.h>
@@ -59,78 +59,113 @@ namespace selkie
       return true;
     }
 
-    /// One level towards what is wanted; whether the mesh has changed.
+    /// Flags the cells for one level towards what is wanted.
     template <int dim>
-    bool
-    adapt_once(parallel::distributed::Triangulation<dim> &mesh,
-               ParticleSet<dim>                          &particles,
-               const WantedLevels<dim>                   &wanted,
-               const bool                                 anyway,
-               CarriedFields<dim>                        &fields)
+    CellFlags
+    flag(parallel::distributed::Triangulation<dim> &mesh,
+         const NodeCloud<dim>                      &nodes,
+         const Scene<dim>                          &scene,
+         const WantedLevels<dim>                   &wanted)
     {
-      const Domain<dim>   &domain = particles.scene.domain;
-      const Adaptivity    &wishes = *particles.scene.adaptivity;
-      const NodeCloud<dim> nodes(mesh);
-      const unsigned int   lowest = base_level(domain) - wishes.coarser;
-      const CellFlags      flags  = flag_cells<dim>(
+      const Adaptivity  &wishes = *scene.adaptivity;
+      const unsigned int lowest = base_level(scene.domain) - wishes.coarser;
+      return flag_cells<dim>(
         mesh,
         nodes,
         wanted,
         [&](const typename NodeCloud<dim>::Cell &cell) {
           const unsigned int least =
-            std::max(lowest, refined_level(domain, cell));
+            std::max(lowest, refined_level(scene.domain, cell));
           const unsigned int level = cell->level();
-          return particles.scene.lagrangian_mesh() && level > least &&
-                     !can_be_joined(particles.scene, cell)
-                         ? level
-                         : least;
+          return scene.lagrangian_mesh() && level > least &&
+                     !can_be_joined(scene, cell)
+                   ? level
+                   : least;
         },
         wishes.most_cells);
-      if (flags.refined + flags.coarsened == 0 && !anyway)
-        return false;
-      fields.carry_along([&] {
-        particles.remesh([&mesh] { mesh.execute_coarsening_and_refinement(); });
+    }
+
+    /// Makes the mesh that the flags say, and lets points and fields follow.
+    template <int dim>
+    void
+    change(parallel::distributed::Triangulation<dim> &mesh,
+           ParticleSet<dim>                          &particles,
+           CarriedFields<dim>                        &fields)
+    {
+      const auto next =
+        flagged_forest<dim>(mesh, [&particles](const auto &cell) {
+          return particles.weight(cell);
+        });
+      fields.carry_over([&] {
+        particles.remesh([&] { rebuild(particles.scene.domain, mesh, *next); });
       });
       if (particles.scene.lagrangian_mesh() && !fields.values.empty())
         fields.make_continuous();
-      return true;
+    }
+
+    /// Changes the mesh, as planned, until it is what is wanted.
+    template <int dim>
+    void
+    change(parallel::distributed::Triangulation<dim> &mesh,
+           ParticleSet<dim>                          &particles,
+           const AdaptPlan<dim>                      &plan,
+           CarriedFields<dim>                        &fields)
+    {
+      const Adaptivity &wishes = *particles.scene.adaptivity;
+      change(mesh, particles, fields);
+      CellFlags flags = plan.first;
+      for (unsigned int i = 0; flags.more && i < wishes.finer + wishes.coarser;
+           ++i)
+        {
+          flags =
+            flag(mesh, NodeCloud<dim>(mesh), particles.scene, plan.wanted);
+          if (!flags.any())
+            break;
+          change(mesh, particles, fields);
+        }
     }
   } // namespace
+
+
+  template <int dim>
+  AdaptPlan<dim>
+  plan_adaptation(parallel::distributed::Triangulation<dim> &mesh,
+                  const ParticleSet<dim>                    &particles,
+                  const NodeCloud<dim>                      &cloud,
+                  const NodalView<dim>                      &nodes)
+  {
+    AdaptPlan<dim> plan{{wanted_parts(particles, cloud, nodes),
+                         particles.communicator()},
+                        {},
+                        particles.imbalance() > most_imbalance};
+    plan.first = flag(mesh, cloud, particles.scene, plan.wanted);
+    return plan;
+  }
 
 
   template <int dim>
   AdaptReport
   adapt_mesh(parallel::distributed::Triangulation<dim> &mesh,
              ParticleSet<dim>                          &particles,
-             const NodeCloud<dim>                      &cloud,
-             const NodalView<dim>                      &nodes,
+             const AdaptPlan<dim>                      &plan,
              CarriedFields<dim>                        &fields)
   {
-    const Scene<dim>       &scene  = particles.scene;
-    const Adaptivity       &wishes = *scene.adaptivity;
-    const WantedLevels<dim> wanted(wanted_parts(particles, cloud, nodes),
-                                   particles.communicator());
-    const auto              energy = [&particles, &scene] {
+    const Scene<dim> &scene  = particles.scene;
+    const auto        energy = [&particles, &scene] {
       return scene.audit ? audit(particles).energy() : 0.;
     };
     const double before = energy();
-    AdaptReport  report;
-    bool         anyway = particles.imbalance() > most_imbalance;
-    for (unsigned int pass = 0; pass <= wishes.finer + wishes.coarser; ++pass)
-      {
-        if (!adapt_once(mesh, particles, wanted, anyway, fields))
-          break;
-        report.changed = true;
-        anyway         = false;
-      }
-    bool new_points = false;
+    if (plan.changes_mesh())
+      change(mesh, particles, plan, fields);
+    AdaptReport report{plan.changes_mesh()};
+    bool        new_points = false;
     if (scene.lagrangian_mesh())
       {
         new_points = report.changed && !fields.values.empty();
         if (new_points)
           recall_points(particles, fields);
       }
-    else if (wishes.points != PointAdaptation::keep)
+    else if (scene.adaptivity->points != PointAdaptation::keep)
       new_points = fit_points(particles);
     if (new_points)
       report.energy = energy() - before;
@@ -139,10 +174,14 @@ namespace selkie
 
 
 #define INSTANTIATE(dim)                                                       \
+  template AdaptPlan<dim> plan_adaptation(                                     \
+    parallel::distributed::Triangulation<dim> &,                               \
+    const ParticleSet<dim> &,                                                  \
+    const NodeCloud<dim> &,                                                    \
+    const NodalView<dim> &);                                                   \
   template AdaptReport adapt_mesh(parallel::distributed::Triangulation<dim> &, \
                                   ParticleSet<dim> &,                          \
-                                  const NodeCloud<dim> &,                      \
-                                  const NodalView<dim> &,                      \
+                                  const AdaptPlan<dim> &,                      \
                                   CarriedFields<dim> &)
   INSTANTIATE(2);
   INSTANTIATE(3);

@@ -33,34 +33,47 @@ namespace selkie
     unsigned int
     wish(const Cell<dim>         &cell,
          const WantedLevels<dim> &wanted,
-         const unsigned int       least)
+         const LeastLevel<dim>   &least_level)
     {
       const unsigned int level = cell->level();
       auto               box   = cell->bounding_box();
-      const unsigned int here  = std::max(least, wanted.level(box));
+      const unsigned int here  = wanted.level(box);
       if (here >= level)
         return here;
       box.extend(box.side_length(0));
-      return std::clamp(wanted.level(box), here, level);
+      return std::min(level, std::max(wanted.level(box), least_level(cell)));
     }
 
-    /// What each cell wants by itself: one level up or down at most.
+    /// What each cell wants by itself.
     template <int dim>
     Targets
     wishes(const parallel::distributed::Triangulation<dim> &mesh,
            const WantedLevels<dim>                         &wanted,
-           const LeastLevel<dim>                           &least_level,
-           const bool                                       refines)
+           const LeastLevel<dim>                           &least_level)
     {
       Targets targets(mesh.n_active_cells());
       for_owned(mesh, [&](const Cell<dim> &cell) {
-        const unsigned int level = cell->level();
-        targets[cell->active_cell_index()] =
-          std::clamp(wish(cell, wanted, least_level(cell)),
-                     level > 0 ? level - 1 : 0,
-                     level + refines);
+        targets[cell->active_cell_index()] = wish(cell, wanted, least_level);
       });
       return targets;
+    }
+
+    /// One level up, if at all, or down; whether some cell wants more.
+    template <int dim>
+    bool
+    take_one_level(const parallel::distributed::Triangulation<dim> &mesh,
+                   const bool                                       refines,
+                   Targets                                         &targets)
+    {
+      bool more = false;
+      for_owned(mesh, [&](const Cell<dim> &cell) {
+        const unsigned int level  = cell->level();
+        unsigned int      &target = targets[cell->active_cell_index()];
+        const unsigned int all    = target;
+        target = std::clamp(all, level > 0 ? level - 1 : 0, level + refines);
+        more   = more || target != all;
+      });
+      return Utilities::MPI::max<int>(more, mesh.get_communicator()) > 0;
     }
 
     /// The finest target of the cells around each node, on any rank.
@@ -168,15 +181,19 @@ namespace selkie
              const LeastLevel<dim>                     &least_level,
              const unsigned long long                   most_cells)
   {
-    Targets targets = wishes(mesh, wanted, least_level, true);
-    balance(mesh, nodes, targets);
-    CellFlags flags = count(mesh, targets);
+    const Targets wished = wishes(mesh, wanted, least_level);
+    Targets       targets;
+    const auto    flags_if = [&](const bool refines) {
+      targets         = wished;
+      const bool more = take_one_level(mesh, refines, targets);
+      balance(mesh, nodes, targets);
+      CellFlags flags = count(mesh, targets);
+      flags.more      = more;
+      return flags;
+    };
+    CellFlags flags = flags_if(true);
     if (flags.cells > most_cells && flags.refined > 0)
-      {
-        targets = wishes(mesh, wanted, least_level, false);
-        balance(mesh, nodes, targets);
-        flags = count(mesh, targets);
-      }
+      flags = flags_if(false);
     for_owned(mesh, [&targets](const Cell<dim> &cell) {
       const int target = targets[cell->active_cell_index()];
       if (target > cell->level())

@@ -36,8 +36,10 @@ namespace selkie
         {
           particles.seed();
           const auto cloud = make_node_cloud(scene, mesh);
-          if (!adapt_mesh(mesh, particles, *cloud, {}, none).changed)
+          const auto plan  = plan_adaptation(mesh, particles, *cloud, {});
+          if (!plan.changes_mesh())
             return;
+          adapt_mesh(mesh, particles, plan, none);
         }
     }
   } // namespace
@@ -48,11 +50,9 @@ namespace selkie
   make_start_mesh(const Scene<dim> &scene, const MPI_Comm comm)
   {
     auto mesh = make_background_mesh(scene.domain, comm);
-    if (!scene.adaptivity)
-      return mesh;
-    adapt_to_seeds(scene, *mesh);
-    // Much of it was finer: later adaptations would take several times as long.
-    return copy_without_history(scene.domain, *mesh);
+    if (scene.adaptivity)
+      adapt_to_seeds(scene, *mesh);
+    return mesh;
   }
 
 

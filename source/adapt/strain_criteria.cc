@@ -87,9 +87,49 @@ namespace selkie
       std::array<Vector, dim * dim> sum; ///< of volume times strain
     };
 
-    /// A level more where a cell's error, the norm of the difference between
-    /// strain and recovered strain, is above the limit; one less where that of
-    /// a cell twice as wide would still be below it.
+    /// The levels by which cells must be halved (joined, if negative) for their
+    /// errors to be just below a limit, if an error goes down with the cells as
+    /// that of linear functions does where strain is smooth: with h and, in L2,
+    /// the root of the cell's volume (Zienkiewicz and Zhu 1987).
+    template <int dim>
+    int
+    halvings(const double square_of_error, const double square_of_limit)
+    {
+      constexpr int most = 32; // more than any mesh has
+      if (square_of_error <= 0.)
+        return -most;
+      const double ratio = square_of_error / square_of_limit;
+      return std::clamp<int>(std::floor(std::log2(ratio) / (2 + dim)) + 1,
+                             -most,
+                             most);
+    }
+
+    /// Whether a new mesh would be worth its price: if a fifth of the squared
+    /// error is in cells above the limit, or if half of the cells could be
+    /// joined. Collective.
+    template <int dim>
+    bool
+    is_worth_it(const std::vector<double> &squares,
+                const double               limit,
+                const MPI_Comm             comm)
+    {
+      double error = 0., above = 0., joined = 0.;
+      for (const double square : squares)
+        {
+          const int levels = halvings<dim>(square, limit);
+          error += square;
+          above += levels > 0 ? square : 0.;
+          joined += levels < 0;
+        }
+      const auto sum = [comm](const double x) {
+        return Utilities::MPI::sum(x, comm);
+      };
+      return sum(above) > 0.2 * sum(error) ||
+             sum(joined) > 0.5 * sum(squares.size());
+    }
+
+    /// The levels that a limit of the cells' errors asks for. The error is the
+    /// norm of the difference between strain and recovered strain.
     template <int dim, typename ForEachStrain>
     void
     level_by_error(const ParticleSet<dim>         &particles,
@@ -97,11 +137,8 @@ namespace selkie
                    const RecoveredStrain<dim>     &recovered,
                    std::vector<OccupiedCell<dim>> &cells)
     {
-      const auto        &wishes = *particles.scene.adaptivity;
-      const unsigned int finest =
-        base_level(particles.scene.domain) + wishes.finer;
-      // In L2, of linear functions: h, and the root of the cell's volume.
-      const double        of_parent = std::pow(2., 1. + dim / 2.);
+      const auto &wishes = *particles.scene.adaptivity;
+      const int   finest = base_level(particles.scene.domain) + wishes.finer;
       std::vector<double> squares(cells.size());
       double              all = 0.;
       for_each_strain(
@@ -112,16 +149,18 @@ namespace selkie
                   .norm_square();
           all += V * E.norm_square();
         });
-      all = Utilities::MPI::sum(all, particles.communicator());
-      for (unsigned int i = 0; i < cells.size() && all > 0.; ++i)
-        {
-          const double error =
-            std::sqrt(squares[i] / all) / wishes.strain_error;
-          const unsigned int level = cells[i].cell->level();
-          cells[i].level           = error >= 1. ? std::min(level + 1, finest)
-                                     : error >= 1. / of_parent || level == 0 ? level
-                                                                             : level - 1;
-        }
+      const double limit = wishes.strain_error * wishes.strain_error *
+                           Utilities::MPI::sum(all, particles.communicator());
+      if (limit == 0.)
+        return;
+      const bool changes =
+        is_worth_it<dim>(squares, limit, particles.communicator());
+      for (unsigned int i = 0; i < cells.size(); ++i)
+        cells[i].level =
+          std::clamp(cells[i].cell->level() +
+                       (changes ? halvings<dim>(squares[i], limit) : 0),
+                     0,
+                     finest);
     }
   } // namespace
 

@@ -122,25 +122,25 @@ namespace selkie
       return next > wishes.buffer * finest_spacing(scene.domain, wishes);
     }
 
-    /// Lets @p change alter the mesh or its partition; if it says that it did,
-    /// cloud and stepper, which hang on it, are made anew and go on.
+    /// Lets @p change alter the mesh or its partition; cloud and stepper, which
+    /// hang on it, are made anew and go on.
     template <int dim>
     void
     change_mesh(Setup<dim>                                      &setup,
                 std::unique_ptr<Stepper<dim>>                   &stepper,
                 TimerTree                                       &timers,
                 Log                                             &log,
-                const std::function<bool(CarriedFields<dim> &)> &change)
+                const std::function<void(CarriedFields<dim> &)> &change)
     {
       CarriedFields<dim> carried;
       carried.take(*setup.mesh,
                    setup.cloud->dof_handler(),
                    stepper->kept_fields());
-      if (!change(carried))
-        return;
       const KeptNumbers numbers = stepper->kept_numbers();
       const CostLedger  costs   = stepper->costs();
       stepper.reset();
+      setup.cloud.reset();
+      change(carried);
       setup.make_cloud();
       stepper = make_stepper(setup, timers, log);
       stepper->go_on_from(carried, numbers, costs);
@@ -168,14 +168,23 @@ namespace selkie
             view.pressure = &fields.pressure;
         }
       AdaptReport report;
-      change_mesh<dim>(
-        setup, stepper, timers, log, [&](CarriedFields<dim> &carried) {
-          if (scene.lagrangian_mesh())
-            carried.make_continuous();
-          report = adapt_mesh(
-            *setup.mesh, setup.particles, *setup.cloud, view, carried);
-          return report.changed;
-        });
+      const auto  plan =
+        plan_adaptation(*setup.mesh, setup.particles, *setup.cloud, view);
+      const auto follow = [&](CarriedFields<dim> &carried) {
+        report = adapt_mesh(*setup.mesh, setup.particles, plan, carried);
+      };
+      if (plan.changes_mesh())
+        change_mesh<dim>(
+          setup, stepper, timers, log, [&](CarriedFields<dim> &carried) {
+            if (scene.lagrangian_mesh())
+              carried.make_continuous();
+            follow(carried);
+          });
+      else
+        {
+          CarriedFields<dim> none;
+          follow(none);
+        }
       stepper->mesh_fits();
       // Interpolated accelerations do not balance the forces between new
       // nodes, and Newmark's energy needs that.
@@ -210,7 +219,6 @@ namespace selkie
       change_mesh<dim>(
         setup, stepper, timers, log, [&](CarriedFields<dim> &carried) {
           carried.carry_along([&] { setup.particles.rebalance(); });
-          return true;
         });
     }
 

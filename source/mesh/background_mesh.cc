@@ -59,24 +59,6 @@ namespace selkie
         }
       return false;
     }
-
-    template <int dim>
-    std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
-    make_coarse_cells(const Domain<dim> &domain, const MPI_Comm comm)
-    {
-      using Mesh = dealii::parallel::distributed::Triangulation<dim>;
-      // p4est knows the vertices so that it can tell the owner of any point;
-      // cells come in an order that does not depend on the mesh's history, so
-      // that a resumed run is the same to the bit
-      auto mesh = std::make_unique<Mesh>(
-        comm,
-        dealii::Triangulation<dim>::limit_level_difference_at_vertices,
-        static_cast<typename Mesh::Settings>(
-          Mesh::communicate_vertices_to_p4est |
-          Mesh::mesh_reconstruction_after_repartitioning));
-      reset_to_coarse_cells(domain, *mesh);
-      return mesh;
-    }
   } // namespace
 
 
@@ -84,7 +66,17 @@ namespace selkie
   std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
   make_background_mesh(const Domain<dim> &domain, const MPI_Comm comm)
   {
-    auto               mesh = make_coarse_cells(domain, comm);
+    using Mesh = dealii::parallel::distributed::Triangulation<dim>;
+    // p4est knows the vertices so that it can tell the owner of any point;
+    // cells come in an order that does not depend on the mesh's history, so
+    // that a resumed run is the same to the bit
+    auto mesh = std::make_unique<Mesh>(
+      comm,
+      dealii::Triangulation<dim>::limit_level_difference_at_vertices,
+      static_cast<typename Mesh::Settings>(
+        Mesh::communicate_vertices_to_p4est |
+        Mesh::mesh_reconstruction_after_repartitioning));
+    reset_to_coarse_cells(domain, *mesh);
     const unsigned int base = base_level(domain);
     mesh->refine_global(base);
 
@@ -124,18 +116,6 @@ namespace selkie
 
 
   template <int dim>
-  std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
-  copy_without_history(
-    const Domain<dim>                                       &domain,
-    const dealii::parallel::distributed::Triangulation<dim> &mesh)
-  {
-    auto copy = make_coarse_cells(domain, mesh.get_communicator());
-    copy->load(mesh.get_p4est());
-    return copy;
-  }
-
-
-  template <int dim>
   unsigned int
   base_level(const Domain<dim> &domain)
   {
@@ -163,10 +143,6 @@ namespace selkie
                 make_background_mesh(const Domain<dim> &, const MPI_Comm);     \
   template void reset_to_coarse_cells(                                         \
     const Domain<dim> &, dealii::parallel::distributed::Triangulation<dim> &); \
-  template std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>  \
-  copy_without_history(                                                        \
-    const Domain<dim> &,                                                       \
-    const dealii::parallel::distributed::Triangulation<dim> &);                \
   template unsigned int base_level(const Domain<dim> &);                       \
   template unsigned int refined_level<dim>(                                    \
     const Domain<dim> &,                                                       \

@@ -3,6 +3,7 @@
 #include <selkie/base/collective_error.h>
 #include <selkie/base/exceptions.h>
 #include <selkie/mesh/background_mesh.h>
+#include <selkie/mesh/forest.h>
 #include <selkie/output/checkpoint.h>
 #include <selkie/output/files.h>
 #include <selkie/output/json.h>
@@ -113,12 +114,8 @@ namespace selkie
     first_own_cell(
       const dealii::parallel::distributed::Triangulation<dim> &mesh)
     {
-      const auto &coarse = mesh.get_p4est_tree_to_coarse_cell_permutation();
-      std::vector<unsigned int> tree(coarse.size());
-      for (unsigned int i = 0; i < coarse.size(); ++i)
-        tree[coarse[i]] = i;
-      const auto place = [&tree](const auto &cell) {
-        return std::pair(tree[cell->id().get_coarse_cell_id()], cell->id());
+      const auto place = [&mesh](const auto &cell) {
+        return std::pair(tree_of<dim>(mesh, cell), cell->id());
       };
       auto first = mesh.end();
       for (const auto &cell : mesh.active_cell_iterators())

@@ -72,19 +72,8 @@ namespace selkie
     , mesh(mesh)
     , points(mesh, mapping, fields.n_components())
     , costs(costs_of_points(scene))
-    , weight_connection(
-        mesh.signals.weight.connect([this](const auto &cell, const auto) {
-          unsigned int sum = 0;
-          if (cell->is_active())
-            sum = cost(points.particles_in_cell(cell));
-          else // its children are to be coarsened
-            for (unsigned int c = 0; c < cell->n_children(); ++c)
-              if (cell->child(c)->is_active())
-                sum += cost(points.particles_in_cell(cell->child(c)));
-          if (!cell->is_active() && this->scene.lagrangian_mesh())
-            sum /= cell->n_children(); // Gauss points of one element
-          return 1 + sum;
-        }))
+    , weight_connection(mesh.signals.weight.connect(
+        [this](const auto &cell, const auto) { return weight(cell); }))
   {}
 
 
@@ -176,6 +165,21 @@ namespace selkie
 
 
   template <int dim>
+  unsigned int
+  ParticleSet<dim>::weight(const typename Mesh::cell_iterator &cell) const
+  {
+    if (cell->is_active())
+      return 1 + cost(points.particles_in_cell(cell));
+    unsigned int sum = 0;
+    for (unsigned int c = 0; c < cell->n_children(); ++c)
+      sum += cost(points.particles_in_cell(cell->child(c)));
+    return 1 + (scene.lagrangian_mesh() ? sum / cell->n_children()
+                                        : // Gauss points of one element
+                  sum);
+  }
+
+
+  template <int dim>
   double
   ParticleSet<dim>::imbalance() const
   {
@@ -200,7 +204,7 @@ namespace selkie
 
   template <int dim>
   void
-  ParticleSet<dim>::rebalance(const CellWeight &weight)
+  ParticleSet<dim>::rebalance(const CellWeight<dim> &weight)
   {
     const boost::signals2::shared_connection_block points_do_not_count(
       weight_connection);
@@ -217,6 +221,7 @@ namespace selkie
   {
     if (scene.lagrangian_mesh())
       {
+        points.clear();
         change();
         put_seeds();
         accounting.seeded = points.n_global_particles();
@@ -227,8 +232,9 @@ namespace selkie
     records.reserve(points.n_locally_owned_particles());
     for (const auto &point : points)
       records.push_back(pack(point));
-    change(); // the points are still there: they are the cells' weights
     points.clear();
+    change();
+    points.clear(); // makes room for the points of the new cells
     deliver(records);
     points.update_cached_numbers();
     check_accounting();

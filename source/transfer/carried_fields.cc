@@ -1,4 +1,5 @@
 #include <selkie/transfer/carried_fields.h>
+#include <selkie/transfer/vertex_values.h>
 
 #include <deal.II/distributed/solution_transfer.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -78,6 +79,26 @@ namespace selkie
     transfer.interpolate(list);
     for (auto &[name, field] : values)
       unmake_portable(field);
+    update_ghosts();
+  }
+
+  template <int dim>
+  void
+  CarriedFields<dim>::carry_over(const std::function<void()> &rebuild)
+  {
+    if (values.empty())
+      {
+        dofs.clear();
+        rebuild();
+        return;
+      }
+    const auto             &mesh = dofs.get_triangulation();
+    const VertexValues<dim> before(*this);
+    dofs.clear();
+    rebuild();
+    dofs.reinit(mesh);
+    reinit();
+    before.fill(*this);
     update_ghosts();
   }
 

@@ -49,7 +49,8 @@ namespace
       const NodeCloud<dim> cloud(*mesh, 3., 1e-6);
       CarriedFields<dim>   none;
       none.dofs.reinit(*mesh);
-      return adapt_mesh(*mesh, particles, cloud, {}, none);
+      const auto plan = plan_adaptation(*mesh, particles, cloud, {});
+      return adapt_mesh(*mesh, particles, plan, none);
     }
 
     /// Moves every point as a field of position and step says; some, if

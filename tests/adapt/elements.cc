@@ -1,5 +1,6 @@
 // Finite elements on a mesh that changes: meshes made by chance, so that nodes
 // come, go, hang and hang no more.
+#include <selkie/adapt/flag_cells.h>
 #include <selkie/drivers/stepper.h>
 #include <selkie/mesh/background_mesh.h>
 #include <selkie/output/audit.h>
@@ -46,44 +47,57 @@ subsection Bodies
 end
 )";
 
-  /// Flags cells by chance: the same ones on any number of ranks, though
-  /// deal.II adds to them for balance.
+  /// Levels that are wanted by chance, the same ones on any number of ranks.
   template <int dim>
-  void
-  flag_by_chance(dealii::parallel::distributed::Triangulation<dim> &mesh,
-                 const unsigned int                                 step,
-                 const int                                          finest)
+  WantedLevels<dim>
+  levels_by_chance(
+    const dealii::parallel::distributed::Triangulation<dim> &mesh,
+    const unsigned int                                       step,
+    const unsigned int                                       finest)
   {
+    std::vector<typename WantedLevels<dim>::Part> parts;
     for (const auto &cell : mesh.active_cell_iterators())
       if (cell->is_locally_owned())
         {
-          std::seed_seq seed{step,
-                             unsigned(cell->level()),
+          const unsigned int level = cell->level();
+          std::seed_seq      seed{step,
+                             level,
                              unsigned(1e6 * cell->center()[0]),
                              unsigned(1e6 * cell->center()[1]),
                              unsigned(1e6 * cell->center()[dim - 1])};
-          std::mt19937  chance(seed);
-          const auto    throw_of_die = chance() % 3;
-          if (throw_of_die == 0 && cell->level() < finest)
-            cell->set_refine_flag();
+          std::mt19937       chance(seed);
+          const bool         finer = chance() % 3 == 0 && level < finest;
           // Families go together: the parent decides.
-          else if (cell->level() > 0 &&
-                   unsigned(1e3 * cell->parent()->center()[0] + step) % 2 == 0)
-            cell->set_coarsen_flag();
+          const bool coarser =
+            level > 0 &&
+            unsigned(1e3 * cell->parent()->center()[0] + step) % 2 == 0;
+          parts.push_back({cell->bounding_box(),
+                           finer     ? level + 1
+                           : coarser ? level - 1
+                                     : level});
         }
+    return {parts, mesh.get_communicator()};
   }
 
   template <int dim>
   void
-  change_mesh(dealii::parallel::distributed::Triangulation<dim> &mesh,
+  change_mesh(const Scene<dim>                                  &scene,
+              dealii::parallel::distributed::Triangulation<dim> &mesh,
               ParticleSet<dim>                                  &particles,
               CarriedFields<dim>                                &fields,
               const unsigned int                                 step)
   {
-    flag_by_chance(mesh, step, dim == 2 ? 5 : 3);
-    fields.carry_along([&] {
-      particles.remesh([&mesh] { mesh.execute_coarsening_and_refinement(); });
+    flag_cells<dim>(
+      mesh,
+      NodeCloud<dim>(mesh),
+      levels_by_chance(mesh, step, dim == 2 ? 5 : 3),
+      [](const auto &) { return 0u; },
+      1000000);
+    const auto next = flagged_forest<dim>(mesh, [&](const auto &cell) {
+      return particles.weight(cell);
     });
+    fields.carry_over(
+      [&] { particles.remesh([&] { rebuild(scene.domain, mesh, *next); }); });
     fields.make_continuous();
     recall_points(particles, fields);
   }
@@ -135,7 +149,7 @@ end
     std::set<unsigned long long> cells;
     for (unsigned int step = 0; step < (dim == 2 ? 12 : 4); ++step)
       {
-        change_mesh(*mesh, particles, fields, step);
+        change_mesh(scene, *mesh, particles, fields, step);
         cells.insert(mesh->n_global_active_cells());
         for (const auto &point : particles.handler())
           {
@@ -208,7 +222,7 @@ TEST(AdaptElementsMPI, FlyAffinely)
       CarriedFields<2> fields;
       fields.take(*mesh, cloud->dof_handler(), stepper->kept_fields());
       fields.make_continuous();
-      change_mesh(*mesh, particles, fields, step);
+      change_mesh(scene, *mesh, particles, fields, step);
       const auto last = std::move(stepper);
       cloud           = std::make_unique<NodeCloud<2>>(*mesh);
       stepper         = make_stepper();

@@ -218,7 +218,7 @@ namespace
   /// On as many ranks each gets the cells and points back that it had.
   template <int dim>
   void
-  check_partition(const typename ParticleSet<dim>::CellWeight &weight)
+  check_partition(const CellWeight<dim> &weight)
   {
     const TemporaryFolder folder(MPI_COMM_WORLD);
     Matter<dim>           matter(two_blocks<dim>());

@@ -12,9 +12,16 @@ namespace selkie
   {
     unsigned long long refined = 0, coarsened = 0; ///< cells so flagged
     unsigned long long cells = 0;                  ///< there will be so many
+    bool more = false; ///< whether some want to change by another level
+
+    bool
+    any() const
+    {
+      return refined + coarsened > 0;
+    }
   };
 
-  /// The level that a cell has at least.
+  /// The level that a cell has at least; its own level is not below that.
   template <int dim>
   using LeastLevel =
     std::function<unsigned int(const typename NodeCloud<dim>::Cell &)>;
@@ -26,7 +33,7 @@ namespace selkie
    * add or drop for balance differs from one number of ranks to another.
    *
    * @param nodes of the mesh
-   * @param least_level the level that a cell has if nothing more is wanted
+   * @param least_level the level that a cell has if less is wanted
    * @param most_cells refines nothing if there would be more cells than that
    * Collective.
    */

@@ -31,15 +31,6 @@ namespace selkie
     const Domain<dim>                                 &domain,
     dealii::parallel::distributed::Triangulation<dim> &mesh);
 
-  /// The same cells in a mesh that has never had others: deal.II keeps the room
-  /// of cells that are gone and walks through it whenever the mesh changes.
-  /// Boxes of cells only. Collective.
-  template <int dim>
-  std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>>
-  copy_without_history(
-    const Domain<dim>                                       &domain,
-    const dealii::parallel::distributed::Triangulation<dim> &mesh);
-
   /// The level of the cells that Domain::cells counts.
   template <int dim>
   unsigned int

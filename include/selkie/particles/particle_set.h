@@ -1,6 +1,7 @@
 #pragma once
 
 #include <selkie/mesh/cell_locator.h>
+#include <selkie/mesh/forest.h>
 #include <selkie/particles/fields.h>
 #include <selkie/particles/seed.h>
 #include <selkie/scene/scene.h>
@@ -113,19 +114,19 @@ namespace selkie
     void
     rebalance();
 
-    /// The weight of an active cell in a partition.
-    using CellWeight = std::function<unsigned int(
-      const typename Mesh::active_cell_iterator &cell)>;
+    /// What a cell's points cost; those of a cell's children, if it is to be
+    /// joined from them.
+    unsigned int
+    weight(const typename Mesh::cell_iterator &cell) const;
 
     /// The same by other weights than the points.
     void
-    rebalance(const CellWeight &weight);
+    rebalance(const CellWeight<dim> &weight);
 
-    /// Lets @p change refine, coarsen or repartition the mesh, and puts the
-    /// points into their cells again: deal.II's transfer loses some that lie on
-    /// faces. Those of a Lagrangian mesh are seeded anew instead, in the
-    /// undeformed state and of the same mass altogether: see recall_points().
-    /// What hangs on the mesh must be built anew.
+    /// Lets @p change make the mesh anew, while there are no points, and puts
+    /// them into their cells again. Those of a Lagrangian mesh are seeded anew
+    /// instead, in the undeformed state and of the same mass altogether: see
+    /// recall_points(). What hangs on the mesh must be built anew.
     void
     remesh(const std::function<void()> &change);
 

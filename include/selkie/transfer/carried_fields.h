@@ -39,11 +39,16 @@ namespace selkie
     void
     update_ghosts();
 
-    /// Lets @p change refine, coarsen or repartition the mesh; the values go
-    /// with its cells. At a new node they are interpolated; NaN where one of
-    /// the cell's nodes has none. Collective.
+    /// Lets @p change repartition the mesh; the values go with its cells.
+    /// Collective.
     void
     carry_along(const std::function<void()> &change);
+
+    /// Lets @p rebuild make the mesh that the flags of its cells ask for anew.
+    /// At a new node values are interpolated; NaN where one of the nodes around
+    /// has none. Collective.
+    void
+    carry_over(const std::function<void()> &rebuild);
 
     /// Makes a field one that deal.II can carry, and back. Where it has no
     /// value (NaN) a number stands that no field has, and that is still one
