@@ -150,26 +150,27 @@ namespace selkie
              const AdaptPlan<dim>                      &plan,
              CarriedFields<dim>                        &fields)
   {
-    const Scene<dim> &scene  = particles.scene;
-    const auto        energy = [&particles, &scene] {
+    const Scene<dim> &scene   = particles.scene;
+    const bool        changes = plan.changes_mesh();
+    const bool        fits    = !scene.lagrangian_mesh() &&
+                      scene.adaptivity->points != PointAdaptation::keep;
+    if (!changes && !fits)
+      return {};
+    const auto energy = [&particles, &scene] {
       return scene.audit ? audit(particles).energy() : 0.;
     };
     const double before = energy();
-    if (plan.changes_mesh())
+    if (changes)
       change(mesh, particles, plan, fields);
-    AdaptReport report{plan.changes_mesh()};
-    bool        new_points = false;
-    if (scene.lagrangian_mesh())
-      {
-        new_points = report.changed && !fields.values.empty();
-        if (new_points)
-          recall_points(particles, fields);
-      }
-    else if (scene.adaptivity->points != PointAdaptation::keep)
+    bool new_points = false;
+    if (fits)
       new_points = fit_points(particles);
-    if (new_points)
-      report.energy = energy() - before;
-    return report;
+    else if (scene.lagrangian_mesh() && !fields.values.empty())
+      {
+        recall_points(particles, fields);
+        new_points = true;
+      }
+    return {changes, new_points ? energy() - before : 0.};
   }
 
 
