@@ -87,22 +87,36 @@ namespace selkie
       std::array<Vector, dim * dim> sum; ///< of volume times strain
     };
 
-    /// The levels by which cells must be halved (joined, if negative) for their
-    /// errors to be just below a limit, if an error goes down with the cells as
-    /// that of linear functions does where strain is smooth: with h and, in L2,
-    /// the root of the cell's volume (Zienkiewicz and Zhu 1987).
-    template <int dim>
+    /// How often a cell must be halved (joined, if negative) for its figure to
+    /// be just below what is allowed.
+    /// @param ratio of the figure to what is allowed
+    /// @param order the power of the cells' width with which it goes down
     int
-    halvings(const double square_of_error, const double square_of_limit)
+    halvings(const double ratio, const double order)
     {
       constexpr int most = 32; // more than any mesh has
-      if (square_of_error <= 0.)
+      if (ratio <= 0.)
         return -most;
-      const double ratio = square_of_error / square_of_limit;
-      return std::clamp<int>(std::floor(std::log2(ratio) / (2 + dim)) + 1,
+      return std::clamp<int>(std::floor(std::log2(ratio) / order) + 1,
                              -most,
                              most);
     }
+
+    /// The level of a cell and so many more, within the scene's limits.
+    template <int dim>
+    unsigned int
+    level_after(const int                            halvings,
+                const typename NodeCloud<dim>::Cell &cell,
+                const Scene<dim>                    &scene)
+    {
+      const int finest = base_level(scene.domain) + scene.adaptivity->finer;
+      return std::clamp(cell->level() + halvings, 0, finest);
+    }
+
+    /// The order of the strain's error, in L2 and of linear functions: that of
+    /// h and the root of the cell's volume (Zienkiewicz and Zhu 1987).
+    template <int dim>
+    constexpr double order_of_error = 1. + dim / 2.;
 
     /// Whether a new mesh would be worth its price: if a fifth of the squared
     /// error is in cells above the limit, or if half of the cells could be
@@ -116,7 +130,8 @@ namespace selkie
       double error = 0., above = 0., joined = 0.;
       for (const double square : squares)
         {
-          const int levels = halvings<dim>(square, limit);
+          const int levels =
+            halvings(std::sqrt(square / limit), order_of_error<dim>);
           error += square;
           above += levels > 0 ? square : 0.;
           joined += levels < 0;
@@ -137,8 +152,7 @@ namespace selkie
                    const RecoveredStrain<dim>     &recovered,
                    std::vector<OccupiedCell<dim>> &cells)
     {
-      const auto &wishes = *particles.scene.adaptivity;
-      const int   finest = base_level(particles.scene.domain) + wishes.finer;
+      const auto         &wishes = *particles.scene.adaptivity;
       std::vector<double> squares(cells.size());
       double              all = 0.;
       for_each_strain(
@@ -157,10 +171,30 @@ namespace selkie
         is_worth_it<dim>(squares, limit, particles.communicator());
       for (unsigned int i = 0; i < cells.size(); ++i)
         cells[i].level =
-          std::clamp(cells[i].cell->level() +
-                       (changes ? halvings<dim>(squares[i], limit) : 0),
-                     0,
-                     finest);
+          std::max(cells[i].level,
+                   level_after<dim>(changes
+                                      ? halvings(std::sqrt(squares[i] / limit),
+                                                 order_of_error<dim>)
+                                      : 0,
+                                    cells[i].cell,
+                                    particles.scene));
+    }
+
+    /// The levels that a limit of the strain's variation in a cell asks for: it
+    /// goes down with the cell's width where strain is smooth.
+    template <int dim>
+    void
+    level_by_variation(const Scene<dim>               &scene,
+                       const std::vector<double>      &variation,
+                       const double                    limit,
+                       std::vector<OccupiedCell<dim>> &cells)
+    {
+      for (unsigned int i = 0; i < cells.size() && limit > 0.; ++i)
+        cells[i].level =
+          std::max(cells[i].level,
+                   level_after<dim>(halvings(variation[i] / limit, 1.),
+                                    cells[i].cell,
+                                    scene));
     }
   } // namespace
 
@@ -206,7 +240,10 @@ namespace selkie
     for (const double strain : largest)
       scale = std::max(scale, strain);
     scale = Utilities::MPI::max(scale, particles.communicator());
-    limit(cells, variation, wishes.strain_variation * scale);
+    level_by_variation(particles.scene,
+                       variation,
+                       wishes.strain_variation * scale,
+                       cells);
     if (wishes.strain_error > 0.)
       level_by_error(particles,
                      for_each_strain,
