@@ -167,24 +167,19 @@ namespace selkie
           if (fields.pressure.size() > 0)
             view.pressure = &fields.pressure;
         }
-      AdaptReport report;
-      const auto  plan =
+      const auto plan =
         plan_adaptation(*setup.mesh, setup.particles, *setup.cloud, view);
-      const auto follow = [&](CarriedFields<dim> &carried) {
+      AdaptReport report;
+      const auto  follow = [&](CarriedFields<dim> &carried) {
+        if (scene.lagrangian_mesh() && plan.changes_mesh())
+          carried.make_continuous();
         report = adapt_mesh(*setup.mesh, setup.particles, plan, carried);
       };
+      CarriedFields<dim> none; // only points change, if anything
       if (plan.changes_mesh())
-        change_mesh<dim>(
-          setup, stepper, timers, log, [&](CarriedFields<dim> &carried) {
-            if (scene.lagrangian_mesh())
-              carried.make_continuous();
-            follow(carried);
-          });
+        change_mesh<dim>(setup, stepper, timers, log, follow);
       else
-        {
-          CarriedFields<dim> none;
-          follow(none);
-        }
+        follow(none);
       stepper->mesh_fits();
       // Interpolated accelerations do not balance the forces between new
       // nodes, and Newmark's energy needs that.

@@ -139,18 +139,25 @@ namespace selkie
         add_limit("Strain",
                   wishes.strain,
                   "Norm of Green's strain of a solid's point.");
-        add_limit("Strain variation",
-                  wishes.strain_variation,
-                  "Norm of the difference between a point's strain and the "
-                  "mean of its cell, of the largest strain.");
+        prm.add_parameter(
+          "Strain variation",
+          wishes.strain_variation,
+          "Norm of the difference between a point's strain and the mean of its "
+          "cell, of the largest strain. A cell above it is halved, down to "
+          "'Finer levels', as often as brings it below if its strain is smooth; "
+          "cells are joined where it would stay below. 0: no criterion. Units: "
+          "none.",
+          Patterns::Double(0.));
         prm.add_parameter(
           "Strain error",
           wishes.strain_error,
           "Norm, over a cell, of the difference between its strain and the one "
           "recovered from the means of the cells around its corners, of the "
-          "norm of all strain. A cell above it is halved once in each "
-          "adaptation, down to 'Finer levels'; cells are joined where it would "
-          "stay below. 0: no criterion. Units: none.",
+          "norm of all strain. A cell above it is halved, down to 'Finer "
+          "levels', as often as brings it below if its strain is smooth; cells "
+          "are joined where it would stay below. While those above hold less "
+          "than a fifth of the squared error, and fewer than half of the cells "
+          "could be joined, nothing changes. 0: no criterion. Units: none.",
           Patterns::Double(0.));
         add_limit("Velocity difference",
                   wishes.velocity,

@@ -21,9 +21,9 @@ namespace selkie
   };
 
   /**
-   * Where the scene's criteria want the finest cells, as boxes around this
-   * rank's cells, the buffer included (effect `adaptivity`). What is the
-   * finest already stays so down to half of a limit. Collective.
+   * Where the scene's criteria want cells of which level, as boxes around this
+   * rank's cells, the buffer included (effect `adaptivity`). What is the finest
+   * already stays so down to half of a limit. Collective.
    */
   template <int dim>
   std::vector<typename WantedLevels<dim>::Part>
