@@ -88,9 +88,9 @@ namespace selkie
     /// Makes the mesh that the flags say, and lets points and fields follow.
     template <int dim>
     void
-    change(parallel::distributed::Triangulation<dim> &mesh,
-           ParticleSet<dim>                          &particles,
-           CarriedFields<dim>                        &fields)
+    follow_flags(parallel::distributed::Triangulation<dim> &mesh,
+                 ParticleSet<dim>                          &particles,
+                 CarriedFields<dim>                        &fields)
     {
       const auto next =
         flagged_forest<dim>(mesh, [&particles](const auto &cell) {
@@ -106,13 +106,13 @@ namespace selkie
     /// Changes the mesh, as planned, until it is what is wanted.
     template <int dim>
     void
-    change(parallel::distributed::Triangulation<dim> &mesh,
-           ParticleSet<dim>                          &particles,
-           const AdaptPlan<dim>                      &plan,
-           CarriedFields<dim>                        &fields)
+    follow_plan(parallel::distributed::Triangulation<dim> &mesh,
+                ParticleSet<dim>                          &particles,
+                const AdaptPlan<dim>                      &plan,
+                CarriedFields<dim>                        &fields)
     {
       const Adaptivity &wishes = *particles.scene.adaptivity;
-      change(mesh, particles, fields);
+      follow_flags(mesh, particles, fields);
       CellFlags flags = plan.first;
       for (unsigned int i = 0; flags.more && i < wishes.finer + wishes.coarser;
            ++i)
@@ -121,7 +121,7 @@ namespace selkie
             flag(mesh, NodeCloud<dim>(mesh), particles.scene, plan.wanted);
           if (!flags.any())
             break;
-          change(mesh, particles, fields);
+          follow_flags(mesh, particles, fields);
         }
     }
   } // namespace
@@ -161,7 +161,7 @@ namespace selkie
     };
     const double before = energy();
     if (changes)
-      change(mesh, particles, plan, fields);
+      follow_plan(mesh, particles, plan, fields);
     bool new_points = false;
     if (fits)
       new_points = fit_points(particles);

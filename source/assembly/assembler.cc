@@ -320,7 +320,6 @@ namespace selkie
                     dense,
                     unknowns);
     state.patch = &patch;
-    state.h     = patch.cell->extent_in_direction(0);
     state.forms.assign(patch.n_points, PointForm<dim>());
     state.kinematics.resize(patch.n_points);
     for (const Preparation step : kernel.prepare)

@@ -64,7 +64,6 @@ namespace selkie
     spread.table = &table;
     spread.patch = &hats;
     spread.time  = state.time;
-    spread.h     = state.h;
     spread.forms.assign(n, share(state.forms, n));
     spread.mean.gradient  = share(state.mean.gradient, n);
     spread.mean.coupling  = share(state.mean.coupling, n);

@@ -94,23 +94,16 @@ namespace selkie
   {
     if (parameters.kind != SolverKind::automatic)
       return {parameters.kind, "the scene says so"};
-    const auto n = system.n_global();
-    if (!traits.mixed)
-      return n < std::min(parameters.direct_below, 200u)
-               ? SolverChoice{SolverKind::direct, "fewer than 200 unknowns"}
-             : traits.acoustic_cfl < 10.
-               ? SolverChoice{SolverKind::cg_jacobi,
-                              "symmetric, acoustic CFL below 10"}
-               : SolverChoice{traits.lme ? SolverKind::cg_hats
-                                         : SolverKind::cg_ml,
-                              "symmetric, acoustic CFL of 10 or more"};
-    if (n < parameters.direct_below)
+    if (system.n_global() < parameters.direct_below)
       return {SolverKind::direct,
-              "mixed, fewer than " + std::to_string(parameters.direct_below) +
+              "fewer than " + std::to_string(parameters.direct_below) +
                 " unknowns"};
-    return {SolverKind::gmres_block,
-            "mixed, " + std::to_string(parameters.direct_below) +
-              " unknowns or more"};
+    if (traits.mixed)
+      return {SolverKind::gmres_block, "mixed"};
+    if (traits.acoustic_cfl < 10.)
+      return {SolverKind::cg_jacobi, "symmetric, acoustic CFL below 10"};
+    return {traits.lme ? SolverKind::cg_hats : SolverKind::cg_ml,
+            "symmetric, acoustic CFL of 10 or more"};
   }
 
   template <int dim>

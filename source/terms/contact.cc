@@ -90,7 +90,7 @@ namespace selkie
       damping(const PatchState<dim> &state) const
       {
         const double dt  = state.time->newmark.dt;
-        const double cfl = sound_speed * dt / state.h;
+        const double cfl = sound_speed * dt / state.h();
         return penalty * state.point(0).mass * (1. + cfl * cfl) / dt;
       }
 

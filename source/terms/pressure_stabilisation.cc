@@ -46,7 +46,7 @@ namespace selkie
       add(PatchState<dim> &state, const bool) const override
       {
         const Newmark &newmark = state.time->newmark;
-        const double   h2      = state.h * state.h;
+        const double   h2      = state.h() * state.h();
         for (unsigned int q = 0; q < state.patch->n_points; ++q)
           {
             const Law   &law = *state.point(q).law;

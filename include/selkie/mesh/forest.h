@@ -55,10 +55,10 @@ namespace selkie
    * Makes the mesh anew with the cells of @p forest, on boxes of cells. Nothing
    * may hang on its cells: neither degrees of freedom nor points.
    *
-   * This takes a third of the time of execute_coarsening_and_refinement(),
-   * after which the room of cells that are gone stays and is walked through,
-   * and whose cells, to come in an order that has no history, must all be
-   * joined first (mesh_reconstruction_after_repartitioning). Collective.
+   * Several times faster than execute_coarsening_and_refinement(), which keeps
+   * the room of cells that are gone, walks through it, and would, for an order
+   * of cells that has no history, first join all of them
+   * (mesh_reconstruction_after_repartitioning). Collective.
    */
   template <int dim>
   void

@@ -256,7 +256,7 @@ namespace selkie
     double       tolerance      = 1e-8; ///< relative, true residual
     double       loosest        = 1e-4; ///< where Newton needs no more
     unsigned int max_iterations = 2000;
-    unsigned int direct_below   = 400; ///< unknowns of a mixed system
+    unsigned int direct_below   = 200; ///< unknowns
   };
 
   /// What is done with a point that leaves the domain.

@@ -112,7 +112,6 @@ namespace selkie
     const Patch<dim>        *patch = nullptr;
     const SupportTable<dim> *table = nullptr;
     const StepTime          *time  = nullptr;
-    double                   h     = 0; ///< cell size (m)
 
     std::vector<PointKinematics<dim>>   kinematics;
     std::vector<dealii::Tensor<1, dim>> velocity;     ///< on request
@@ -120,6 +119,13 @@ namespace selkie
     std::vector<dealii::Tensor<1, dim>> increment;    ///< on request
     std::vector<PointForm<dim>>         forms;
     MeanForm<dim>                       mean;
+
+    /// Cell size (m).
+    double
+    h() const
+    {
+      return patch->cell->extent_in_direction(0);
+    }
 
     const StepPoint<dim> &
     point(const unsigned int q) const
