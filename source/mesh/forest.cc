@@ -6,6 +6,8 @@
 #include <p4est_extended.h>
 #include <p8est_extended.h>
 
+#include <algorithm>
+
 namespace selkie
 {
   using namespace dealii;
