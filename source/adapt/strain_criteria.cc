@@ -113,34 +113,29 @@ namespace selkie
       return std::clamp(cell->level() + halvings, 0, finest);
     }
 
-    /// The order of the strain's error, in L2 and of linear functions: that of
-    /// h and the root of the cell's volume (Zienkiewicz and Zhu 1987).
-    template <int dim>
-    constexpr double order_of_error = 1. + dim / 2.;
-
-    /// Whether a new mesh would be worth its price: if a fifth of the squared
-    /// error is in cells above the limit, or if half of the cells could be
-    /// joined. Collective.
+    /// Whether a mesh of other levels would be worth its price: if a fifth of
+    /// the squared error is in cells that would be halved, or if half of the
+    /// cells could be joined. Collective.
     template <int dim>
     bool
-    is_worth_it(const std::vector<double> &squares,
-                const double               limit,
-                const MPI_Comm             comm)
+    is_worth_it(const std::vector<OccupiedCell<dim>> &cells,
+                const std::vector<double>            &squares,
+                const std::vector<unsigned int>      &levels,
+                const MPI_Comm                        comm)
     {
-      double error = 0., above = 0., joined = 0.;
-      for (const double square : squares)
+      double error = 0., halved = 0., joined = 0.;
+      for (unsigned int i = 0; i < cells.size(); ++i)
         {
-          const int levels =
-            halvings(std::sqrt(square / limit), order_of_error<dim>);
-          error += square;
-          above += levels > 0 ? square : 0.;
-          joined += levels < 0;
+          const unsigned int level = cells[i].cell->level();
+          error += squares[i];
+          halved += levels[i] > level ? squares[i] : 0.;
+          joined += levels[i] < level;
         }
       const auto sum = [comm](const double x) {
         return Utilities::MPI::sum(x, comm);
       };
-      return sum(above) > 0.2 * sum(error) ||
-             sum(joined) > 0.5 * sum(squares.size());
+      return sum(halved) > 0.2 * sum(error) ||
+             sum(joined) > 0.5 * sum(cells.size());
     }
 
     /// The levels that a limit of the cells' errors asks for. The error is the
@@ -167,17 +162,23 @@ namespace selkie
                            Utilities::MPI::sum(all, particles.communicator());
       if (limit == 0.)
         return;
-      const bool changes =
-        is_worth_it<dim>(squares, limit, particles.communicator());
+      // In L2, of linear functions: h, and the root of the cell's volume
+      // (Zienkiewicz and Zhu 1987).
+      constexpr double          order = 1. + dim / 2.;
+      std::vector<unsigned int> levels;
       for (unsigned int i = 0; i < cells.size(); ++i)
-        cells[i].level =
-          std::max(cells[i].level,
-                   level_after<dim>(changes
-                                      ? halvings(std::sqrt(squares[i] / limit),
-                                                 order_of_error<dim>)
-                                      : 0,
-                                    cells[i].cell,
-                                    particles.scene));
+        levels.push_back(
+          level_after<dim>(halvings(std::sqrt(squares[i] / limit), order),
+                           cells[i].cell,
+                           particles.scene));
+      const bool changes =
+        is_worth_it(cells, squares, levels, particles.communicator());
+      for (unsigned int i = 0; i < cells.size(); ++i)
+        {
+          const unsigned int level = cells[i].cell->level();
+          cells[i].level =
+            std::max(cells[i].level, changes ? levels[i] : level);
+        }
     }
 
     /// The levels that a limit of the strain's variation in a cell asks for: it
