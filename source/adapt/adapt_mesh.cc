@@ -112,6 +112,8 @@ namespace selkie
                 CarriedFields<dim>                        &fields)
     {
       const Adaptivity &wishes = *particles.scene.adaptivity;
+      if (particles.scene.lagrangian_mesh() && !fields.values.empty())
+        fields.make_continuous();
       follow_flags(mesh, particles, fields);
       CellFlags flags = plan.first;
       for (unsigned int i = 0; flags.more && i < wishes.finer + wishes.coarser;

@@ -35,8 +35,8 @@ namespace selkie
       for (unsigned int i = 0; i <= wishes.finer + wishes.coarser; ++i)
         {
           particles.seed();
-          const auto cloud = make_node_cloud(scene, mesh);
-          const auto plan  = plan_adaptation(mesh, particles, *cloud, {});
+          const auto plan =
+            plan_adaptation(mesh, particles, *make_node_cloud(scene, mesh), {});
           if (!plan.changes_mesh())
             return;
           adapt_mesh(mesh, particles, plan, none);

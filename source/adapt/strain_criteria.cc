@@ -109,45 +109,57 @@ namespace selkie
                 const typename NodeCloud<dim>::Cell &cell,
                 const Scene<dim>                    &scene)
     {
-      const int finest = base_level(scene.domain) + scene.adaptivity->finer;
-      return std::clamp(cell->level() + halvings, 0, finest);
+      const int base = base_level(scene.domain);
+      return std::clamp(cell->level() + halvings,
+                        base - int(scene.adaptivity->coarser),
+                        base + int(scene.adaptivity->finer));
     }
 
-    /// Whether a mesh of other levels would be worth its price: if a fifth of
-    /// the squared error is in cells that would be halved, or if half of the
-    /// cells could be joined. Collective.
-    template <int dim>
-    bool
-    is_worth_it(const std::vector<OccupiedCell<dim>> &cells,
-                const std::vector<double>            &squares,
-                const std::vector<unsigned int>      &levels,
-                const MPI_Comm                        comm)
+    /// What a mesh of other levels would change.
+    struct Gain
     {
-      double error = 0., halved = 0., joined = 0.;
-      for (unsigned int i = 0; i < cells.size(); ++i)
-        {
-          const unsigned int level = cells[i].cell->level();
-          error += squares[i];
-          halved += levels[i] > level ? squares[i] : 0.;
-          joined += levels[i] < level;
-        }
-      const auto sum = [comm](const double x) {
-        return Utilities::MPI::sum(x, comm);
-      };
-      return sum(halved) > 0.2 * sum(error) ||
-             sum(joined) > 0.5 * sum(cells.size());
-    }
+      double squares = 0., halved_squares = 0.; ///< of the cells' errors
+      double cells = 0., joined = 0.;
 
-    /// The levels that a limit of the cells' errors asks for. The error is the
-    /// norm of the difference between strain and recovered strain.
+      void
+      add(const unsigned int level,
+          const unsigned int wanted,
+          const double       square)
+      {
+        squares += square;
+        halved_squares += wanted > level ? square : 0.;
+        cells += 1.;
+        joined += wanted < level;
+      }
+
+      /// A new mesh is worth its price if a fifth of the squared error is in
+      /// cells that would be halved, or if half of the cells could be joined.
+      /// Collective.
+      bool
+      is_worth_it(const MPI_Comm comm) const
+      {
+        const auto sum = [comm](const double x) {
+          return Utilities::MPI::sum(x, comm);
+        };
+        return sum(halved_squares) > 0.2 * sum(squares) ||
+               sum(joined) > 0.5 * sum(cells);
+      }
+    };
+
+    /// The levels that a limit of the errors asks for, in cells with solids.
+    /// The error is the norm of the difference between strain and recovered
+    /// strain.
+    /// @param volumes of the solids in the cells
     template <int dim, typename ForEachStrain>
     void
     level_by_error(const ParticleSet<dim>         &particles,
                    const ForEachStrain            &for_each_strain,
                    const RecoveredStrain<dim>     &recovered,
+                   const std::vector<double>      &volumes,
                    std::vector<OccupiedCell<dim>> &cells)
     {
-      const auto         &wishes = *particles.scene.adaptivity;
+      const Scene<dim>   &scene = particles.scene;
+      const MPI_Comm      comm  = particles.communicator();
       std::vector<double> squares(cells.size());
       double              all = 0.;
       for_each_strain(
@@ -158,27 +170,32 @@ namespace selkie
                   .norm_square();
           all += V * E.norm_square();
         });
-      const double limit = wishes.strain_error * wishes.strain_error *
-                           Utilities::MPI::sum(all, particles.communicator());
+      const double limit = scene.adaptivity->strain_error *
+                           std::sqrt(Utilities::MPI::sum(all, comm));
       if (limit == 0.)
         return;
       // In L2, of linear functions: h, and the root of the cell's volume
       // (Zienkiewicz and Zhu 1987).
       constexpr double          order = 1. + dim / 2.;
-      std::vector<unsigned int> levels;
+      std::vector<unsigned int> levels(cells.size());
+      Gain                      gain;
       for (unsigned int i = 0; i < cells.size(); ++i)
-        levels.push_back(
-          level_after<dim>(halvings(std::sqrt(squares[i] / limit), order),
-                           cells[i].cell,
-                           particles.scene));
-      const bool changes =
-        is_worth_it(cells, squares, levels, particles.communicator());
+        if (volumes[i] > 0.)
+          {
+            levels[i] =
+              level_after<dim>(halvings(std::sqrt(squares[i]) / limit, order),
+                               cells[i].cell,
+                               scene);
+            gain.add(cells[i].cell->level(), levels[i], squares[i]);
+          }
+      const bool changes = gain.is_worth_it(comm);
       for (unsigned int i = 0; i < cells.size(); ++i)
-        {
-          const unsigned int level = cells[i].cell->level();
-          cells[i].level =
-            std::max(cells[i].level, changes ? levels[i] : level);
-        }
+        if (volumes[i] > 0.)
+          {
+            const unsigned int level = cells[i].cell->level();
+            cells[i].level =
+              std::max(cells[i].level, changes ? levels[i] : level);
+          }
     }
 
     /// The levels that a limit of the strain's variation in a cell asks for: it
@@ -249,6 +266,7 @@ namespace selkie
       level_by_error(particles,
                      for_each_strain,
                      RecoveredStrain<dim>(cloud, cells, mean, volume),
+                     volume,
                      cells);
   }
 

@@ -171,8 +171,6 @@ namespace selkie
         plan_adaptation(*setup.mesh, setup.particles, *setup.cloud, view);
       AdaptReport report;
       const auto  follow = [&](CarriedFields<dim> &carried) {
-        if (scene.lagrangian_mesh() && plan.changes_mesh())
-          carried.make_continuous();
         report = adapt_mesh(*setup.mesh, setup.particles, plan, carried);
       };
       CarriedFields<dim> none; // only points change, if anything

@@ -173,9 +173,9 @@ namespace selkie
     unsigned int sum = 0;
     for (unsigned int c = 0; c < cell->n_children(); ++c)
       sum += cost(points.particles_in_cell(cell->child(c)));
-    return 1 + (scene.lagrangian_mesh() ? sum / cell->n_children()
-                                        : // Gauss points of one element
-                  sum);
+    if (scene.lagrangian_mesh())
+      sum /= cell->n_children(); // Gauss points of one element
+    return 1 + sum;
   }
 
 

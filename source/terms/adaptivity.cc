@@ -155,9 +155,9 @@ namespace selkie
           "recovered from the means of the cells around its corners, of the "
           "norm of all strain. A cell above it is halved, down to 'Finer "
           "levels', as often as brings it below if its strain is smooth; cells "
-          "are joined where it would stay below. While those to be "
-          "halved hold less than a fifth of the squared error, and fewer than "
-          "half of the cells could be joined, nothing changes. 0: no criterion. Units: none.",
+          "are joined where it would stay below. While those to be halved hold "
+          "less than a fifth of the squared error, and fewer than half of the "
+          "cells could be joined, nothing changes. 0: no criterion. Units: none.",
           Patterns::Double(0.));
         add_limit("Velocity difference",
                   wishes.velocity,

@@ -92,8 +92,8 @@ namespace selkie
         rebuild();
         return;
       }
-    const auto             &mesh = dofs.get_triangulation();
-    const VertexValues<dim> before(*this);
+    const auto       &mesh = dofs.get_triangulation();
+    VertexValues<dim> before(*this);
     dofs.clear();
     rebuild();
     dofs.reinit(mesh);

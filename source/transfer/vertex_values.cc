@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace selkie
 {
@@ -138,11 +139,11 @@ namespace selkie
 
   template <int dim>
   typename VertexValues<dim>::Entries
-  VertexValues<dim>::share_out(const Mesh<dim> &mesh) const
+  VertexValues<dim>::share_out(const Mesh<dim> &mesh)
   {
     const MPI_Comm comm = mesh.get_communicator();
     if (Utilities::MPI::n_mpi_processes(comm) == 1)
-      return entries;
+      return std::move(entries);
     const Locator           locator(mesh);
     std::vector<Point<dim>> places;
     for (const auto &[key, entry] : entries)
@@ -179,7 +180,7 @@ namespace selkie
 
   template <int dim>
   void
-  VertexValues<dim>::fill(CarriedFields<dim> &fields) const
+  VertexValues<dim>::fill(CarriedFields<dim> &fields)
   {
     const Mesh<dim> &mesh = mesh_of(fields);
     const Locator    locator(mesh);

@@ -46,10 +46,9 @@ namespace
     AdaptReport
     adapt()
     {
-      const NodeCloud<dim> cloud(*mesh, 3., 1e-6);
-      CarriedFields<dim>   none;
-      none.dofs.reinit(*mesh);
-      const auto plan = plan_adaptation(*mesh, particles, cloud, {});
+      CarriedFields<dim> none;
+      const auto         plan =
+        plan_adaptation(*mesh, particles, NodeCloud<dim>(*mesh, 3., 1e-6), {});
       return adapt_mesh(*mesh, particles, plan, none);
     }
 

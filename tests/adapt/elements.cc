@@ -222,11 +222,14 @@ TEST(AdaptElementsMPI, FlyAffinely)
       CarriedFields<2> fields;
       fields.take(*mesh, cloud->dof_handler(), stepper->kept_fields());
       fields.make_continuous();
+      const KeptNumbers numbers = stepper->kept_numbers();
+      const CostLedger  costs   = stepper->costs();
+      stepper.reset();
+      cloud.reset();
       change_mesh(scene, *mesh, particles, fields, step);
-      const auto last = std::move(stepper);
-      cloud           = std::make_unique<NodeCloud<2>>(*mesh);
-      stepper         = make_stepper();
-      stepper->go_on_from(fields, last->kept_numbers(), last->costs());
+      cloud   = std::make_unique<NodeCloud<2>>(*mesh);
+      stepper = make_stepper();
+      stepper->go_on_from(fields, numbers, costs);
 
       const Tensor<2, 2> F =
         Tensor<2, 2>(dealii::unit_symmetric_tensor<2>()) + (step + 1) * dt * A;

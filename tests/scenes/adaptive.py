@@ -5,7 +5,7 @@
 """
 import math
 
-from check import A, HERE, affine_prescribed, check, determinant, main, run, table, worst
+from check import A, BENCHMARKS, HERE, affine_prescribed, check, determinant, main, run, table, worst
 from water import FROM_REST, column
 
 EVERY_STEP = ("Adaptivity/Steps=1", "Adaptivity/Finer levels=1", "Adaptivity/Buffer=1")
@@ -75,6 +75,22 @@ def pulled(selkie, folder):
           / max(fixed["strain energy"]), 1e-10)
 
 
+def panel(selkie, folder):
+    """An L-shaped panel of finite elements finds its mesh in few changes, though it may have
+    another one after each load step, since the error says how often to halve a cell."""
+    s = run(selkie, BENCHMARKS / "l_shape.prm", folder,
+            ("Approximation=q4 fem", "Bodies/panel/Points per direction=2",
+             "Effects=body force, probes, adaptivity", "Adaptivity/Steps=1",
+             "Adaptivity/Finer levels=8", "Adaptivity/Strain error=0.005", "Time/Step=0.125"))
+    cells = s["cells"]
+    check("changes of the mesh", sum(a != b for a, b in zip(cells, cells[1:])), 3)
+    # Uniform meshes of h = 1/64 and 1/128 (4450 and 17 346 unknowns) and the limit of four of
+    # them (doc/adaptive-meshes.md): 0.0582976, 0.0585329, 0.058693 m.
+    sag = -table(folder / "probes" / "arm.csv")["displacement y"][-1]
+    check("sag, from the limit of uniform meshes", abs(sag / 0.058693 - 1), 0.0068)
+    check("unknowns over those of the uniform mesh as good", max(s["unknowns"]) / 4450, 0.5)
+
+
 def flight(selkie, folder):
     """So does free flight by TPIC, whose points carry affine velocities."""
     s = run(selkie, HERE / "affine_flight.prm", folder,
@@ -114,5 +130,5 @@ def still(selkie, folder, end="0.5"):
 
 
 if __name__ == "__main__":
-    main({"patch": patch, "elements": elements, "pulled": pulled, "flight": flight,
-          "still": still})
+    main({"patch": patch, "elements": elements, "pulled": pulled, "panel": panel,
+          "flight": flight, "still": still})

@@ -28,10 +28,10 @@ namespace selkie
     explicit VertexValues(const CarriedFields<dim> &fields);
 
     /// Gives the fields, numbered anew on the changed mesh, their values.
-    /// Throws if some vertex was neither there nor made by the flags.
+    /// Once. Throws if some vertex was neither there nor made by the flags.
     /// Collective.
     void
-    fill(CarriedFields<dim> &fields) const;
+    fill(CarriedFields<dim> &fields);
 
   private:
     using Key     = std::array<std::int64_t, dim>;
@@ -49,8 +49,7 @@ namespace selkie
 
     /// Those whose vertex's upper side is a cell of this rank. Collective.
     Entries
-    share_out(
-      const dealii::parallel::distributed::Triangulation<dim> &mesh) const;
+    share_out(const dealii::parallel::distributed::Triangulation<dim> &mesh);
 
     const std::size_t n_values; ///< of a vertex: fields times layers
     Entries           entries;
